@@ -1,0 +1,76 @@
+# How a room, a test, a benchmark and a fuzz target are declared.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+
+set(KANTARO_SANITIZE "" CACHE STRING "Sanitizers to build with, e.g. address,undefined")
+
+add_library(kantaro_options INTERFACE)
+target_compile_options(kantaro_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+                                                 -Wno-sign-conversion -Wnon-virtual-dtor)
+# No fused or reassociated arithmetic: a run repeats to the bit on every x86-64.
+target_compile_options(kantaro_options INTERFACE -ffp-contract=off)
+target_include_directories(kantaro_options INTERFACE ${PROJECT_SOURCE_DIR})
+target_compile_definitions(kantaro_options INTERFACE
+  $<$<CONFIG:Debug>:EIGEN_INITIALIZE_MATRICES_BY_NAN>)
+if(KANTARO_SANITIZE)
+  target_compile_options(kantaro_options INTERFACE -fsanitize=${KANTARO_SANITIZE}
+                         -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(kantaro_options INTERFACE -fsanitize=${KANTARO_SANITIZE})
+endif()
+if(KANTARO_FUZZ)
+  target_compile_options(kantaro_options INTERFACE -fsanitize=fuzzer-no-link,address,undefined
+                         -fno-sanitize-recover=all)
+  target_link_options(kantaro_options INTERFACE -fsanitize=address,undefined)
+endif()
+
+# kantaro_library(NAME SOURCES ... DEPENDS ... [PCH ...]): a room, or a target of one. Defines kantaro::NAME.
+function(kantaro_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;PRIVATE_DEPENDS;PCH" ${ARGN})
+  add_library(kantaro_${name} STATIC ${ARG_SOURCES})
+  add_library(kantaro::${name} ALIAS kantaro_${name})
+  target_link_libraries(kantaro_${name} PUBLIC kantaro_options ${ARG_DEPENDS}
+                        PRIVATE ${ARG_PRIVATE_DEPENDS})
+  if(ARG_PCH)
+    target_precompile_headers(kantaro_${name} PRIVATE ${ARG_PCH})
+  endif()
+endfunction()
+
+# kantaro_test(NAME LABEL fast|slow|soak SOURCES ... DEPENDS ... [TIMEOUT s]): one GoogleTest program,
+# each of its tests known to CTest. KANTARO_SOURCE_DIR is the checkout, for models and test data.
+# LABEL fast is also run under the sanitizers; soak is left out of the default run.
+function(kantaro_test name)
+  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;DEPENDS" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 300)
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_DEPENDS} GTest::gmock GTest::gtest_main)
+  target_compile_definitions(${name} PRIVATE KANTARO_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+                                             KANTARO_BINARY_DIR="${PROJECT_BINARY_DIR}")
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 120
+                       PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${ARG_TIMEOUT})
+endfunction()
+
+# kantaro_bench(NAME SOURCES ... DEPENDS ...): one Google Benchmark program, never run by CTest.
+function(kantaro_bench name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_DEPENDS} benchmark::benchmark benchmark::benchmark_main)
+  target_compile_definitions(${name} PRIVATE KANTARO_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+endfunction()
+
+# kantaro_fuzz(NAME SOURCES ... DEPENDS ...): one libFuzzer program; its corpus is fuzz/corpus/NAME.
+function(kantaro_fuzz name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_DEPENDS})
+  target_link_options(${name} PRIVATE -fsanitize=fuzzer)
+  target_compile_definitions(${name} PRIVATE KANTARO_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+endfunction()

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "robot/readings.hpp"
+
+namespace kantaro::perception {
+
+/// Landmark type by the laser's three windows (thesis Table 5.3); the numbers are the table's.
+enum class LaserStatus {
+  kNoLandmark = 0, kManhole = 1, kInletLeft = 2, kInletRight = 3, kManholeWithJunction = 4, kOutsideThePipe = 5
+};
+
+/// What one laser revolution says. A window is open if its distance exceeds the threshold (175 mm in the thesis).
+struct LaserObservation {
+  robot::RunTime captured_at{};
+  bool top_open{}, left_open{}, right_open{};
+  double top_m{}, left_m{}, right_m{};        ///< median range in each window; the far limit where nothing returned
+  LaserStatus status{LaserStatus::kNoLandmark};
+};
+
+/// What the IR sensors say (thesis 4.3): a value below its threshold means that the wall is gone.
+struct IrObservation {
+  robot::RunTime captured_at{};
+  bool manhole{};                             ///< up
+  bool junction_left{}, junction_right{};
+};
+
+enum class RingKind { kJoint, kManholeMouth };
+
+/// A ring of the wall seen ahead by the front camera.
+struct RingSighting {
+  RingKind kind{RingKind::kJoint};
+  double distance_m{};      ///< from the camera to the ring's plane
+  double radius_px{};
+  double support{};         ///< share of the circle that lies on edges, 0 to 1
+};
+
+/// All rings in one front image, nearest first.
+struct RingObservation {
+  robot::RunTime captured_at{};
+  std::vector<RingSighting> rings;
+};
+
+/// A part of the wall that does not look like the rest (thesis 3.3).
+struct FaultCandidate {
+  double clock_h{};              ///< of its middle, as the camera sees it: 12 at the crown, 3 to the right
+  double distance_m{};           ///< from the camera to the middle of the ring that was looked at
+  double horizontal_similarity{};///< C(x), eq. 3.3
+  double vertical_similarity{};  ///< C(y), eq. 3.5
+};
+
+struct FaultObservation {
+  robot::RunTime captured_at{};
+  std::vector<FaultCandidate> candidates;
+};
+
+/// Encoders as travel: mean of all four wheels, and per side [m], since power-on, at the tyre's nominal radius.
+struct OdometryObservation {
+  robot::RunTime captured_at{};
+  double travel_m{}, left_m{}, right_m{};
+};
+
+/// Turn rate about the base's z [rad/s].
+struct TurnRateObservation {
+  robot::RunTime captured_at{};
+  double yaw_rate_rad_s{};
+};
+
+using Observation = std::variant<LaserObservation, IrObservation, RingObservation, FaultObservation,
+                                 OdometryObservation, TurnRateObservation>;
+
+}  // namespace kantaro::perception
