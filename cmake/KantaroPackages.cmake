@@ -7,8 +7,21 @@ find_package(OpenSSL REQUIRED COMPONENTS Crypto)
 find_package(fmt REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(Boost REQUIRED)
-find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs)
 find_package(urdfdom REQUIRED)
 find_package(mujoco CONFIG REQUIRED)
 find_package(embree 3 REQUIRED)
 pkg_check_modules(osmesa REQUIRED IMPORTED_TARGET osmesa)
+
+# OpenCV's modules by their own small packages: its CMake package stands in libopencv-dev only, which
+# needs 210 more packages.
+find_path(OPENCV_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
+foreach(module core imgproc imgcodecs)
+  find_library(OPENCV_${module}_LIBRARY opencv_${module} REQUIRED)
+  add_library(opencv_${module} SHARED IMPORTED)
+  set_target_properties(opencv_${module} PROPERTIES
+    IMPORTED_LOCATION ${OPENCV_${module}_LIBRARY}
+    INTERFACE_INCLUDE_DIRECTORIES ${OPENCV_INCLUDE_DIR})
+endforeach()
+target_link_libraries(opencv_imgproc INTERFACE opencv_core)
+target_link_libraries(opencv_imgcodecs INTERFACE opencv_imgproc)
+set(OpenCV_LIBS opencv_imgcodecs)

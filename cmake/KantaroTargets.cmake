@@ -42,6 +42,10 @@ function(kantaro_library name)
   endif()
 endfunction()
 
+# All programs whose tests are labelled fast, and all fuzz targets: what the asan, tsan and fuzz presets build.
+add_custom_target(fast_tests)
+add_custom_target(fuzzers)
+
 # kantaro_test(NAME LABEL fast|slow|soak SOURCES ... DEPENDS ... [TIMEOUT s]): one GoogleTest program,
 # each of its tests known to CTest. KANTARO_SOURCE_DIR is the checkout, for models and test data.
 # LABEL fast is also run under the sanitizers; soak is left out of the default run.
@@ -54,6 +58,9 @@ function(kantaro_test name)
   target_link_libraries(${name} PRIVATE ${ARG_DEPENDS} GTest::gmock GTest::gtest_main)
   target_compile_definitions(${name} PRIVATE KANTARO_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                              KANTARO_BINARY_DIR="${PROJECT_BINARY_DIR}")
+  if(ARG_LABEL STREQUAL "fast")
+    add_dependencies(fast_tests ${name})
+  endif()
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 120
                        PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${ARG_TIMEOUT})
 endfunction()
@@ -72,5 +79,6 @@ function(kantaro_fuzz name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_DEPENDS})
   target_link_options(${name} PRIVATE -fsanitize=fuzzer)
+  add_dependencies(fuzzers ${name})
   target_compile_definitions(${name} PRIVATE KANTARO_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 endfunction()
