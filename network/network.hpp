@@ -16,8 +16,15 @@ enum class BenchHeight { kAxis, kCrown };
 
 /// The nine categories of JSWA faults (thesis Table 3.1).
 enum class FaultCategory {
-  kCrack, kWaterInfiltration, kRootInvasion, kPipeBreak, kJointAndGap,
-  kMountingPipeProjection, kAdhesionOfMortar, kForeignSubstance, kAdhesionOfGrease
+  kCrack,
+  kWaterInfiltration,
+  kRootInvasion,
+  kPipeBreak,
+  kJointAndGap,
+  kMountingPipeProjection,
+  kAdhesionOfMortar,
+  kForeignSubstance,
+  kAdhesionOfGrease
 };
 /// JSWA rank: A most visible, C hardly visible (thesis section 3.2).
 enum class FaultRank { kA, kB, kC };
@@ -25,7 +32,8 @@ enum class FaultRank { kA, kB, kC };
 /// A node of the network. Its centre line is vertical; pipes are aimed at it.
 struct Manhole {
   std::string name;
-  Eigen::Vector3d p_WM{Eigen::Vector3d::Zero()};  ///< centre at the invert of the channels [m], z up
+  Eigen::Vector3d p_WM{
+      Eigen::Vector3d::Zero()};            ///< centre at the invert of the channels [m], z up
   std::optional<double> shaft_diameter_m;  ///< absent: largest connected pipe + 500 mm (thesis 5.2)
   double depth_m{2.0};                     ///< invert to cover [m], > 0
   BenchHeight bench_height{BenchHeight::kCrown};
@@ -35,17 +43,17 @@ struct Manhole {
 
 /// A joint between two pipe lengths, seen as a groove around the wall.
 struct Joint {
-  double chainage_m{};      ///< of the groove's middle
-  double gap_m{0.008};      ///< width of the groove along the axis, > 0
-  double depth_m{0.006};    ///< depth of the groove into the wall, > 0
+  double chainage_m{};    ///< of the groove's middle
+  double gap_m{0.008};    ///< width of the groove along the axis, > 0
+  double depth_m{0.006};  ///< depth of the groove into the wall, > 0
 };
 
 /// A house connection: a round branch ending in the pipe's wall, square to its axis.
 struct Inlet {
   std::string name;
-  double chainage_m{};      ///< of its axis
-  double diameter_m{};      ///< less than the pipe's
-  double clock_h{3.0};      ///< clock position of its mouth, 0 < h <= 12, looking downstream
+  double chainage_m{};  ///< of its axis
+  double diameter_m{};  ///< less than the pipe's
+  double clock_h{3.0};  ///< clock position of its mouth, 0 < h <= 12, looking downstream
 };
 
 /// Damage planted on a wall: it is seen, and it is what the fault detector is judged against.
@@ -53,10 +61,10 @@ struct Fault {
   std::string name;
   FaultCategory category{FaultCategory::kCrack};
   FaultRank rank{FaultRank::kA};
-  double chainage_m{};      ///< of its middle
-  double clock_h{12.0};     ///< of its middle
-  double length_m{0.1};     ///< extent along the axis
-  double width_m{0.005};    ///< opening of a crack; extent around the wall of anything else
+  double chainage_m{};    ///< of its middle
+  double clock_h{12.0};   ///< of its middle
+  double length_m{0.1};   ///< extent along the axis
+  double width_m{0.005};  ///< opening of a crack; extent around the wall of anything else
 };
 
 /// A point where a pipe's centre line turns, rounded by an arc.
@@ -65,27 +73,27 @@ struct Bend {
   double radius_m{};                             ///< of the centre line, > diameter / 2
 };
 
-/// A circular pipe between two manholes. Chainage runs from the upstream manhole's shaft wall to the
-/// downstream one's (PipeAxis tells where that is).
+/// A circular pipe between two manholes. Chainage runs from the upstream manhole's shaft wall to
+/// the downstream one's (PipeAxis tells where that is).
 struct Pipe {
   std::string name;
-  std::string upstream;       ///< manhole name
-  std::string downstream;     ///< manhole name
-  double diameter_m{};        ///< inner
+  std::string upstream;    ///< manhole name
+  std::string downstream;  ///< manhole name
+  double diameter_m{};     ///< inner
   Material material{Material::kPvc};
-  double upstream_offset_m{};    ///< invert of this end above the manhole's invert [m], >= 0
+  double upstream_offset_m{};  ///< invert of this end above the manhole's invert [m], >= 0
   double downstream_offset_m{};
-  std::vector<Bend> bends;       ///< in the order of chainage
-  std::vector<Joint> joints;     ///< likewise
+  std::vector<Bend> bends;    ///< in the order of chainage
+  std::vector<Joint> joints;  ///< likewise
   std::vector<Inlet> inlets;
   std::vector<Fault> faults;
 };
 
 /// What a reader left out or filled in, for the person who supplied the file.
 struct Remark {
-  std::optional<int> line;    ///< in the file, 1-based
-  std::string subject;        ///< "conduit 17"
-  std::string text;           ///< what was done and why
+  std::optional<int> line;  ///< in the file, 1-based
+  std::string subject;      ///< "conduit 17"
+  std::string text;         ///< what was done and why
 };
 
 /// A pipe of the file that KANTARO cannot use (egg-shaped, a pump, a weir ...): kept for the map.
