@@ -11,8 +11,8 @@
 namespace kantaro {
 namespace {
 
-std::string Sentence(const std::filesystem::path& file, std::optional<int> line, const std::string& field,
-                     const std::string& problem) {
+std::string Sentence(const std::filesystem::path& file, std::optional<int> line,
+                     const std::string& field, const std::string& problem) {
   std::string text = file.string();
   if (line) text += fmt::format("{}{}", text.empty() ? "line " : ":", *line);
   if (!text.empty()) text += ": ";
@@ -22,9 +22,11 @@ std::string Sentence(const std::filesystem::path& file, std::optional<int> line,
 
 }  // namespace
 
-InputError::InputError(const std::filesystem::path& file, std::optional<int> line, std::string field,
-                       const std::string& problem)
-    : std::runtime_error(Sentence(file, line, field, problem)), field_(std::move(field)), line_(line) {}
+InputError::InputError(const std::filesystem::path& file, std::optional<int> line,
+                       std::string field, const std::string& problem)
+    : std::runtime_error(Sentence(file, line, field, problem)),
+      field_(std::move(field)),
+      line_(line) {}
 
 std::string ReadInputFile(const std::filesystem::path& file, std::size_t limit) {
   std::error_code error;
@@ -37,10 +39,12 @@ std::string ReadInputFile(const std::filesystem::path& file, std::size_t limit) 
   if (!stream) throw InputError(file, {}, "", "cannot be read");
   std::string content;
   std::string block(std::size_t{1} << 20, '\0');
-  while (stream.read(block.data(), static_cast<std::streamsize>(block.size())), stream.gcount() > 0) {
+  while (stream.read(block.data(), static_cast<std::streamsize>(block.size())),
+         stream.gcount() > 0) {
     content.append(block, 0, static_cast<std::size_t>(stream.gcount()));
     if (content.size() > limit) {
-      throw InputError(file, {}, "", fmt::format("larger than the {} MiB that are read", limit >> 20));
+      throw InputError(file, {}, "",
+                       fmt::format("larger than the {} MiB that are read", limit >> 20));
     }
   }
   return content;

@@ -7,8 +7,8 @@
 
 namespace kantaro {
 
-/// Bad input from a person: a file or an argument. The program prints it as one sentence and exits with 2.
-/// what() reads "FILE:LINE: FIELD: PROBLEM", leaving out the parts that are not known.
+/// Bad input from a person: a file or an argument. The program prints it as one sentence and exits
+/// with 2. what() reads "FILE:LINE: FIELD: PROBLEM", leaving out the parts that are not known.
 class InputError : public std::runtime_error {
  public:
   /// @param file     the file, or the name of the argument ("--seed").

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 namespace kantaro {
 namespace {
@@ -18,7 +19,8 @@ std::uint64_t HashName(std::string_view name) {
 
 std::mt19937_64 MakeEngine(std::uint64_t run_seed, std::string_view name) {
   const std::uint64_t hash = HashName(name);
-  std::seed_seq sequence{static_cast<std::uint32_t>(run_seed), static_cast<std::uint32_t>(run_seed >> 32),
+  std::seed_seq sequence{static_cast<std::uint32_t>(run_seed),
+                         static_cast<std::uint32_t>(run_seed >> 32),
                          static_cast<std::uint32_t>(hash), static_cast<std::uint32_t>(hash >> 32)};
   return std::mt19937_64(sequence);
 }
@@ -39,6 +41,10 @@ double RandomStream::Normal(double standard_deviation) {
   return standard_deviation * radius * std::cos(2.0 * std::numbers::pi * Uniform(0.0, 1.0));
 }
 
-std::uint64_t RandomStream::Index(std::uint64_t count) { return engine_() % count; }
+std::uint64_t RandomStream::Index(std::uint64_t count) {
+  if (count == 0)
+    throw std::invalid_argument("a random index needs at least one thing to choose from");
+  return engine_() % count;
+}
 
 }  // namespace kantaro

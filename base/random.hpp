@@ -16,7 +16,7 @@ class RandomStream {
   [[nodiscard]] double Uniform(double low, double high);
   /// Normal with mean 0.
   [[nodiscard]] double Normal(double standard_deviation);
-  /// Uniform over 0 … count − 1. @pre count > 0.
+  /// Uniform over 0 … count − 1. @throws std::invalid_argument if count is 0.
   [[nodiscard]] std::uint64_t Index(std::uint64_t count);
 
  private:

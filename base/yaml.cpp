@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::size_t kLargestYaml = std::size_t{64} << 20;
 constexpr int kDeepestNesting = 64;
+constexpr int kMostValues = 4'000'000;  // some 2.5 GB once the tree stands
 
 /// A first pass over the events alone, before any tree is built from a hostile file.
 class Gatekeeper : public YAML::EventHandler {
@@ -24,11 +25,11 @@ class Gatekeeper : public YAML::EventHandler {
 
   void OnDocumentStart(const YAML::Mark&) override {}
   void OnDocumentEnd() override {}
-  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { Refuse(mark, anchor); }
-  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override { Refuse(mark, 1); }
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { Admit(mark, anchor); }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override { Admit(mark, 1); }
   void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
                 const std::string&) override {
-    Refuse(mark, anchor);
+    Admit(mark, anchor);
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
                        YAML::EmitterStyle::value) override {
@@ -42,13 +43,18 @@ class Gatekeeper : public YAML::EventHandler {
   void OnMapEnd() override { --depth_; }
 
  private:
-  void Refuse(const YAML::Mark& mark, YAML::anchor_t anchor) const {
+  void Admit(const YAML::Mark& mark, YAML::anchor_t anchor) {
+    if (++values_ > kMostValues) {
+      throw InputError(file_, mark.line + 1, "",
+                       fmt::format("holds more than {} values", kMostValues));
+    }
     if (anchor != 0) {
-      throw InputError(file_, mark.line + 1, "", "anchors and aliases are not accepted, write the value out");
+      throw InputError(file_, mark.line + 1, "",
+                       "anchors and aliases are not accepted, write the value out");
     }
   }
   void Enter(const YAML::Mark& mark, YAML::anchor_t anchor) {
-    Refuse(mark, anchor);
+    Admit(mark, anchor);
     if (++depth_ > kDeepestNesting) {
       throw InputError(file_, mark.line + 1, "",
                        fmt::format("nested deeper than {} levels", kDeepestNesting));
@@ -57,9 +63,14 @@ class Gatekeeper : public YAML::EventHandler {
 
   const std::filesystem::path& file_;
   int depth_ = 0;
+  int values_ = 0;
 };
 
-std::string Join(const std::vector<std::string_view>& words) { return fmt::format("{}", fmt::join(words, ", ")); }
+int LineOf(const YAML::Node& node) { return node.Mark().line + 1; }
+
+std::string Join(const std::vector<std::string_view>& words) {
+  return fmt::format("{}", fmt::join(words, ", "));
+}
 
 }  // namespace
 
@@ -80,9 +91,12 @@ YamlNode YamlNode::Parse(const std::string& text, const std::filesystem::path& n
     YAML::Parser parser(stream);
     Gatekeeper gatekeeper(name);
     parser.HandleNextDocument(gatekeeper);
+    if (parser.HandleNextDocument(gatekeeper)) {
+      throw InputError(name, {}, "", "one document is wanted, more stand here");
+    }
     YAML::Node root = YAML::Load(text);
     if (!root.IsDefined() || root.IsNull()) throw InputError(name, {}, "", "the file is empty");
-    return YamlNode(root, name, "");
+    return YamlNode(root, name, "", LineOf(root));
   } catch (const YAML::Exception& error) {
     const std::optional<int> line =
         error.mark.is_null() ? std::nullopt : std::optional<int>(error.mark.line + 1);
@@ -91,7 +105,7 @@ YamlNode YamlNode::Parse(const std::string& text, const std::filesystem::path& n
 }
 
 InputError YamlNode::Error(const std::string& problem) const {
-  return InputError(file_, node_.Mark().is_null() ? std::nullopt : std::optional<int>(line()), field_, problem);
+  return InputError(file_, line_, field_, problem);
 }
 
 std::vector<std::pair<std::string, YamlNode>> YamlNode::Entries() const {
@@ -101,7 +115,9 @@ std::vector<std::pair<std::string, YamlNode>> YamlNode::Entries() const {
   for (const auto& item : node_) {
     if (!item.first.IsScalar()) throw Error("keys must be plain words");
     const std::string key = item.first.Scalar();
-    YamlNode value(item.second, file_, field_.empty() ? key : field_ + "." + key);
+    // yaml-cpp places an absent value at whatever comes after it.
+    const int line = LineOf(item.second.IsNull() ? item.first : item.second);
+    YamlNode value(item.second, file_, field_.empty() ? key : field_ + "." + key, line);
     if (!seen.insert(key).second) throw value.Error("the key stands here twice");
     entries.emplace_back(key, std::move(value));
   }
@@ -123,7 +139,8 @@ YamlNode YamlNode::operator[](std::string_view key) const {
 void YamlNode::AllowOnly(std::initializer_list<std::string_view> allowed) const {
   for (const auto& [name, value] : Entries()) {
     if (std::find(allowed.begin(), allowed.end(), name) == allowed.end()) {
-      throw value.Error(fmt::format("unknown key; known here: {}", Join({allowed.begin(), allowed.end()})));
+      throw value.Error(
+          fmt::format("unknown key; known here: {}", Join({allowed.begin(), allowed.end()})));
     }
   }
 }
@@ -133,7 +150,8 @@ std::vector<YamlNode> YamlNode::Elements() const {
   std::vector<YamlNode> elements;
   elements.reserve(node_.size());
   for (const auto& item : node_) {
-    elements.push_back(YamlNode(item, file_, fmt::format("{}[{}]", field_, elements.size())));
+    const std::string field = fmt::format("{}[{}]", field_, elements.size());
+    elements.push_back(YamlNode(item, file_, field, LineOf(item)));
   }
   return elements;
 }
@@ -154,7 +172,8 @@ double YamlNode::Number() const {
   if (!node_.IsScalar()) throw Error("a number is wanted here");
   const std::string& text = node_.Scalar();
   double value = 0.0;
-  const char* first = text.data() + (text.starts_with('+') ? 1 : 0);
+  const bool plus = text.starts_with('+') && !text.starts_with("+-");
+  const char* first = text.data() + (plus ? 1 : 0);
   const auto [end, error] = std::from_chars(first, text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
     throw Error(fmt::format("\"{}\" is not a number", text.substr(0, 40)));
@@ -164,7 +183,8 @@ double YamlNode::Number() const {
 
 double YamlNode::Number(double low, double high) const {
   const double value = Number();
-  if (value < low || value > high) throw Error(fmt::format("{} is outside {} to {}", value, low, high));
+  if (value < low || value > high)
+    throw Error(fmt::format("{} is outside {} to {}", value, low, high));
   return value;
 }
 
@@ -182,7 +202,8 @@ long YamlNode::Integer(long low, long high) const {
   if (error != std::errc() || end != text.data() + text.size()) {
     throw Error(fmt::format("\"{}\" is not a whole number", text.substr(0, 40)));
   }
-  if (value < low || value > high) throw Error(fmt::format("{} is outside {} to {}", value, low, high));
+  if (value < low || value > high)
+    throw Error(fmt::format("{} is outside {} to {}", value, low, high));
   return value;
 }
 
