@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "sim/void_primitive.hpp"
@@ -11,11 +12,35 @@ namespace kantaro::sim {
 
 /// Triangles of the wall, seen from the void: counter-clockwise, normals pointing into the void.
 struct SurfaceMesh {
-  std::vector<Eigen::Vector3f> positions;        ///< p_WV [m]
-  std::vector<Eigen::Vector3f> normals;          ///< unit, into the void
-  std::vector<Eigen::Vector2f> surface_m;        ///< texture coordinates [m]: along the sweep, around its profile from the crown
+  std::vector<Eigen::Vector3f> positions;  ///< p_WV [m]
+  std::vector<Eigen::Vector3f> normals;    ///< unit, into the void
+  /// Texture coordinates [m]. On sides: (chainage, arc length around the profile from the crown,
+  /// clockwise looking along the axis); a kU profile counts as if it had a crown, so it continues
+  /// the pipe it leads into. On caps: (chainage of the cap + height above the axis, distance left
+  /// of the axis). Under a kU's top: (chainage, distance left of the axis).
+  std::vector<Eigen::Vector2f> surface_m;
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<std::uint32_t> owner;              ///< of each triangle: index of its primitive
+  std::vector<std::uint32_t> owner;  ///< of each triangle: index of its primitive, ascending
 };
+
+/// How finely the wall is cut into flat facets.
+struct TessellationOptions {
+  double tolerance_m{0.2e-3};  ///< largest distance between a facet and the true surface, > 0
+  double max_cell_m{1.0};      ///< longest facet along an axis, > 0
+};
+
+/// The boundary of the union of the primitives. Each primitive becomes a polyhedron (its facets are
+/// planar, round the bend too), and of each facet what lies inside another polyhedron is cut away.
+/// So both sides of a mouth meet in the same line; they overlap there by 0.02 mm, lest a ray slip
+/// between. Where surfaces coincide the earlier primitive's stays; end caps that lean on each other
+/// vanish. Vertices are shared within a primitive, and no vertex lies inside a neighbour's edge
+/// there.
+/// @throws std::invalid_argument if an option or a primitive's size makes no sense
+[[nodiscard]] SurfaceMesh Tessellate(std::span<const VoidPrimitive> primitives,
+                                     const TessellationOptions& options = {});
+
+/// The triangles of the primitives first_owner, …, end_owner − 1, with their vertices only.
+[[nodiscard]] SurfaceMesh Extract(const SurfaceMesh& mesh, std::uint32_t first_owner,
+                                  std::uint32_t end_owner);
 
 }  // namespace kantaro::sim

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "sim/surface_mesh.hpp"
+
+namespace kantaro::sim {
+
+/// A half line in the world.
+struct Ray {
+  Eigen::Vector3d p_WO{Eigen::Vector3d::Zero()};          ///< origin [m]
+  Eigen::Vector3d direction_W{Eigen::Vector3d::UnitX()};  ///< unit
+};
+
+/// Where a ray meets the wall.
+struct RayHit {
+  double range_m{};          ///< along the ray
+  Eigen::Vector3d normal_W;  ///< of the true surface there, unit, into the void
+  std::uint32_t owner{};     ///< index of the void primitive whose wall it is
+};
+
+/// Finds the nearest wall along a ray (Embree, single precision, watertight between triangles that
+/// share an edge). Both sides of the wall count: a ray that starts in the ground hits it from
+/// behind, and then normal · direction > 0. Holds its own copy of the mesh. Casting is const and
+/// may go on in many threads at once; one mesh and one ray give the same hit to the bit.
+class RayCaster {
+ public:
+  /// @throws std::runtime_error if Embree cannot be started or runs out of memory
+  explicit RayCaster(const SurfaceMesh& mesh);
+  ~RayCaster();
+  RayCaster(RayCaster&&) noexcept;
+  RayCaster& operator=(RayCaster&&) noexcept;
+  RayCaster(const RayCaster&) = delete;
+  RayCaster& operator=(const RayCaster&) = delete;
+
+  /// Absent if there is no wall within max_range_m.
+  [[nodiscard]] std::optional<RayHit> Cast(const Eigen::Vector3d& p_WO,
+                                           const Eigen::Vector3d& direction_W,
+                                           double max_range_m) const;
+
+  /// hits[i] answers rays[i]. @throws std::invalid_argument if the spans differ in length
+  void Cast(std::span<const Ray> rays, double max_range_m,
+            std::span<std::optional<RayHit>> hits) const;
+
+ private:
+  struct Scene;
+  std::unique_ptr<Scene> scene_;
+};
+
+}  // namespace kantaro::sim
