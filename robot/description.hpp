@@ -10,9 +10,15 @@
 
 namespace kantaro::robot {
 
-struct Box { Eigen::Vector3d size_m{Eigen::Vector3d::Zero()}; };   ///< full edge lengths
-struct Cylinder { double radius_m{}, length_m{}; };                ///< along its frame's z
-struct Sphere { double radius_m{}; };
+struct Box {
+  Eigen::Vector3d size_m{Eigen::Vector3d::Zero()};  ///< full edge lengths
+};
+struct Cylinder {
+  double radius_m{}, length_m{};  ///< along its frame's z
+};
+struct Sphere {
+  double radius_m{};
+};
 
 /// A body shape G fixed to link L.
 struct Shape {
@@ -21,14 +27,15 @@ struct Shape {
 };
 
 struct Inertial {
-  double mass_kg{};                                              ///< > 0
-  Eigen::Vector3d p_LoLcm_L{Eigen::Vector3d::Zero()};            ///< centre of mass in the link frame
-  Eigen::Matrix3d I_LLcm_L{Eigen::Matrix3d::Zero()};             ///< about the centre of mass, in link axes [kg m²]
+  double mass_kg{};                                    ///< > 0
+  Eigen::Vector3d p_LoLcm_L{Eigen::Vector3d::Zero()};  ///< centre of mass in the link frame
+  /// About the centre of mass, in link axes [kg m²].
+  Eigen::Matrix3d I_LLcm_L{Eigen::Matrix3d::Zero()};
 };
 
 struct Link {
   std::string name;
-  std::optional<Inertial> inertial;     ///< absent for pure frames (sensors)
+  std::optional<Inertial> inertial;  ///< absent for pure frames (sensors)
   std::vector<Shape> collisions;
   std::vector<Shape> visuals;
 };
@@ -41,71 +48,76 @@ struct Joint {
   JointType type{JointType::kFixed};
   std::string parent, child;
   Eigen::Isometry3d X_PJ{Eigen::Isometry3d::Identity()};
-  Eigen::Vector3d axis_J{Eigen::Vector3d::UnitX()};              ///< unit
-  double lower{}, upper{};                                       ///< prismatic travel [m]
+  Eigen::Vector3d axis_J{Eigen::Vector3d::UnitX()};  ///< unit
+  double lower{}, upper{};                           ///< prismatic travel [m]
 };
 
 /// A spring-damper along a prismatic joint (companion file, keyed by joint).
 struct Suspension {
   double stiffness_N_m{};
   double damping_Ns_m{};
-  double rest_position_m{};   ///< joint position at which the spring carries nothing
+  double rest_position_m{};  ///< joint position at which the spring carries nothing
 };
 
 /// A rounded wheel: a torus about the joint axis (companion file, keyed by wheel joint).
 struct Tyre {
-  double radius_m{};          ///< outer, hub to tread
-  double tread_radius_m{};    ///< rounding of the tread, < radius
+  double radius_m{};        ///< outer, hub to tread
+  double tread_radius_m{};  ///< rounding of the tread, < radius
 };
 
-/// A wheel's drive (companion file, keyed by wheel joint): torque = gain * (commanded − actual speed), limited.
+/// A wheel's drive (companion file, keyed by wheel joint): torque = gain * (commanded − actual
+/// speed), limited.
 struct Motor {
   double torque_limit_Nm{};
   double speed_limit_rad_s{};
   double speed_gain_Nm_s{};
-  double rotor_inertia_kg_m2{};   ///< seen at the wheel
+  double rotor_inertia_kg_m2{};  ///< seen at the wheel
 };
 
 /// Pinhole camera at its link's frame, which is the optical frame C (x right, y down, z forward).
+/// Pixel centres lie at whole numbers: the middle of an image is (size − 1) / 2.
 struct Camera {
   std::string link;
   int width_px{}, height_px{};
-  double focal_px{};              ///< both axes; ideal pinhole, calibration errors live elsewhere
+  double focal_px{};  ///< both axes; ideal pinhole, calibration errors live elsewhere
   double center_x_px{}, center_y_px{};
   double rate_Hz{};
   double latency_s{};
 };
 
-/// The laser scanner (thesis Table 5.1), at its link's frame L (x forward, y left, z up at zero mast height).
+/// The laser scanner (thesis Table 5.1), at its link's frame L (x forward, y left, z up at zero
+/// mast height).
 struct Laser {
   std::string link;
-  double revolutions_Hz{};        ///< 30 = 1800 rpm
-  double samples_Hz{};            ///< at least 10 kHz
+  double revolutions_Hz{};  ///< 30 = 1800 rpm
+  double samples_Hz{};      ///< at least 10 kHz
   double range_min_m{}, range_max_m{};
-  double accuracy_m{};            ///< ± bound of the error
+  double accuracy_m{};  ///< ± bound of the error
   double latency_s{};
-  /// Height of the mast joint's travel for each pipe diameter [m -> m]; in between the next smaller one holds.
+  std::string mast;  ///< prismatic joint that carries the laser; set by hand, fixed while driving
+  /// Mast joint position for each pipe diameter [m -> m]; in between the next smaller one holds.
   std::map<double, double> mast_height_m;
 };
 
 /// An IR sensor, beam along its link's +x: value = 1 / (1 + (range / half_range)²).
 struct Infrared {
   std::string link;
-  double half_range_m{};          ///< range at which the value is 0.5
-  double noise{};                 ///< standard deviation of the value
+  double half_range_m{};  ///< range at which the value is 0.5
+  double noise{};         ///< standard deviation of the value
 };
 
-/// Everything known about the robot's body: the URDF and its companion, joined. Nothing stands in both files.
+/// Everything known about the robot's body: the URDF and its companion, joined. Nothing stands in
+/// both files.
 struct Description {
   std::string name;
-  std::vector<Link> links;        ///< parents before children; the first is the base, B
-  std::vector<Joint> joints;      ///< joints[i] moves links[i + 1]
-  std::map<std::string, Suspension> suspensions;   ///< by prismatic joint
-  std::map<std::string, Tyre> tyres;               ///< by wheel joint
-  std::map<std::string, Motor> motors;             ///< by wheel joint
-  std::vector<std::string> wheels;                 ///< joints: front left, front right, rear left, rear right
-  std::vector<std::string> lights;                 ///< links of the LEDs, shining along +x
-  std::string upper_box;                           ///< link whose contact the judge counts as a collision
+  std::vector<Link> links;    ///< parents before children; the first is the base, B
+  std::vector<Joint> joints;  ///< joints[i] moves links[i + 1]
+  std::map<std::string, Suspension> suspensions;  ///< by prismatic joint
+  std::map<std::string, Tyre> tyres;              ///< by wheel joint
+  std::map<std::string, Motor> motors;            ///< by wheel joint
+  std::vector<std::string> wheels;  ///< joints: front left, front right, rear left, rear right
+  std::vector<std::string> lights;  ///< links of the LEDs, shining along +x
+  std::string upper_box;            ///< link whose contact the judge counts as a collision
   Camera front_camera, stereo_left, stereo_right;
   Laser laser;
   Infrared ir_up, ir_left, ir_right;
@@ -113,17 +125,30 @@ struct Description {
   double encoder_resolution_rad{};
   double gyro_noise_rad_s{}, accelerometer_noise_m_s2{};
 
-  [[nodiscard]] const Link& LinkNamed(const std::string& link) const;   ///< @throws std::out_of_range
+  [[nodiscard]] const Link& LinkNamed(
+      const std::string& link) const;  ///< @throws std::out_of_range
   /// Pose of a link in the base at joint positions zero.
   [[nodiscard]] Eigen::Isometry3d PoseInBase(const std::string& link) const;
   [[nodiscard]] double TotalMass_kg() const;
-  /// Mast height set for a pipe of this diameter [m]. @throws std::out_of_range below the smallest listed.
+  /// Mast height set for a pipe of this diameter [m]. @throws std::out_of_range below the smallest
+  /// listed.
   [[nodiscard]] double MastHeight(double diameter_m) const;
 };
 
-/// Reads `kantaro.urdf` through urdfdom and its companion `kantaro.yaml` from one folder, and checks what urdfdom
-/// lets pass: numbers, masses, inertias (positive definite, triangle inequality), unknown elements, the tree.
+/// Text of one input file, and the name that complaints about it carry.
+struct SourceText {
+  std::filesystem::path file;
+  std::string text;
+};
+
+/// Joins the three files of a robot: the URDF (through urdfdom, after checking what urdfdom lets
+/// pass: numbers, masses, inertias, unknown elements, the tree), its companion and the cameras'
+/// calibration.
 /// @throws InputError
+[[nodiscard]] Description ParseDescription(const SourceText& urdf, const SourceText& companion,
+                                           const SourceText& cameras);
+
+/// Reads `kantaro.urdf`, `kantaro.yaml` and `cameras.yaml` from one folder. @throws InputError
 [[nodiscard]] Description ReadDescription(const std::filesystem::path& folder);
 
 }  // namespace kantaro::robot
