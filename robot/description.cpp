@@ -241,7 +241,7 @@ Eigen::Isometry3d Description::PoseInBase(const std::string& link) const {
   std::string below = LinkNamed(link).name;
   while (below != links.front().name) {
     const auto joint = std::find_if(joints.begin(), joints.end(), [&](const Joint& candidate) {
-      return candidate.child == name;
+      return candidate.child == below;
     });
     X_PL = joint->X_PJ * X_PL;
     below = joint->parent;
