@@ -1,0 +1,46 @@
+#include "scenarios/conditions.hpp"
+
+#include <algorithm>
+
+#include "base/random.hpp"
+#include "network/pipe_axis.hpp"
+
+namespace kantaro::scenarios {
+namespace {
+
+double Draw(std::uint64_t seed, const std::string& what, double low, double high) {
+  return RandomStream(seed, "variation." + what).Uniform(low, high);
+}
+
+double DrawEitherWay(std::uint64_t seed, const std::string& what, double bound) {
+  return Draw(seed, what, -bound, bound);
+}
+
+}  // namespace
+
+Conditions DrawConditions(const Scenario& scenario, std::uint64_t seed) {
+  const Variation& variation = scenario.variation;
+  const network::Network& network = scenario.network;
+  const double start_pipe_m =
+      network::PipeAxis(network, network.PipeNamed(scenario.start.pipe)).length_m();
+  Conditions conditions;
+  conditions.seed = seed;
+  conditions.start_chainage_m = std::clamp(
+      scenario.start.chainage_m + DrawEitherWay(seed, "start_offset", variation.start_offset_m),
+      0.0, start_pipe_m);
+  conditions.start_yaw_rad = DrawEitherWay(seed, "start_yaw", variation.start_yaw_rad);
+  if (variation.friction) {
+    conditions.friction = Draw(seed, "friction", variation.friction->low, variation.friction->high);
+  }
+  const std::uint64_t texture_seed = variation.texture ? seed : 0;
+  conditions.texture =
+      RandomStream(texture_seed, "variation.texture").Index(std::uint64_t{1} << 32);
+  conditions.light = Draw(seed, "light", variation.light.low, variation.light.high);
+  for (const network::Pipe& pipe : network.pipes) {
+    conditions.map_scale.emplace_back(
+        pipe.name, 1.0 + DrawEitherWay(seed, "map_error." + pipe.name, variation.map_error));
+  }
+  return conditions;
+}
+
+}  // namespace kantaro::scenarios

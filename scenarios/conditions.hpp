@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scenarios/scenario.hpp"
+
+namespace kantaro::scenarios {
+
+/// What one seed makes of a scenario's variation. Each value has its own random stream, so that a
+/// new kind of variation moves no other.
+struct Conditions {
+  std::uint64_t seed{};
+  double start_chainage_m{};       ///< the scenario's, moved; inside the pipe
+  double start_yaw_rad{};          ///< against the way of travel, positive to the left
+  std::optional<double> friction;  ///< tyre on wall; absent: the wall material's own
+  std::uint64_t texture{};         ///< seed of the wall's look
+  double light{1.0};               ///< brightness of the robot's lights against their nominal
+  /// The robot's map: for each pipe of the network, by name, mapped length / true length.
+  std::vector<std::pair<std::string, double>> map_scale;
+};
+
+[[nodiscard]] Conditions DrawConditions(const Scenario& scenario, std::uint64_t seed);
+
+}  // namespace kantaro::scenarios

@@ -1,0 +1,288 @@
+#include "scenarios/scenario.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "base/files.hpp"
+#include "base/yaml.hpp"
+#include "network/formats.hpp"
+#include "network/pipe_axis.hpp"
+
+namespace kantaro::scenarios {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr std::array<std::pair<const char*, Sense>, 3> kSenses{
+    {{"laser", Sense::kLaser}, {"infrared", Sense::kInfrared}, {"cameras", Sense::kCameras}}};
+
+std::string ParseName(const YamlNode& node) {
+  const std::string name = node.Text();
+  const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
+  });
+  if (!plain || name.starts_with('.') || name.size() > 100) {
+    throw node.Error(
+        "a name has up to 100 letters, digits, '_', '-' and '.', because it also names folders");
+  }
+  return name;
+}
+
+std::filesystem::path ParsePath(const YamlNode& node) {
+  const std::filesystem::path given = node.Text();
+  return given.is_absolute() ? given : (node.file().parent_path() / given).lexically_normal();
+}
+
+Interval ParseInterval(const YamlNode& node, double lowest, double highest) {
+  const std::vector<YamlNode> ends = node.Elements();
+  if (ends.size() != 2) throw node.Error("two numbers are wanted here, [low, high]");
+  const Interval interval{ends[0].Number(lowest, highest), ends[1].Number(lowest, highest)};
+  if (interval.low > interval.high) throw node.Error("the low end comes first");
+  return interval;
+}
+
+template <typename Value, typename Read>
+void ReadIfGiven(const YamlNode& map, std::string_view key, Value& value, const Read& read) {
+  if (const auto node = map.Find(key)) value = read(*node);
+}
+
+Variation ParseVariation(const YamlNode& node) {
+  node.AllowOnly(
+      {"start_offset_mm", "start_yaw_deg", "friction", "map_error_percent", "texture", "light"});
+  Variation variation;
+  ReadIfGiven(node, "start_offset_mm", variation.start_offset_m,
+              [](const YamlNode& n) { return n.Number(0.0, 10000.0) / 1000.0; });
+  ReadIfGiven(node, "start_yaw_deg", variation.start_yaw_rad,
+              [](const YamlNode& n) { return n.Number(0.0, 45.0) * kDegree; });
+  ReadIfGiven(node, "friction", variation.friction,
+              [](const YamlNode& n) { return ParseInterval(n, 0.01, 2.0); });
+  ReadIfGiven(node, "map_error_percent", variation.map_error,
+              [](const YamlNode& n) { return n.Number(0.0, 50.0) / 100.0; });
+  ReadIfGiven(node, "texture", variation.texture, [](const YamlNode& n) { return n.Boolean(); });
+  ReadIfGiven(node, "light", variation.light,
+              [](const YamlNode& n) { return ParseInterval(n, 0.0, 1.0); });
+  return variation;
+}
+
+Limits ParseLimits(const YamlNode& node) {
+  node.AllowOnly({"speed_m_s", "position_error_m", "final_position_error_m", "goal_tolerance_m",
+                  "heading_deg"});
+  Limits limits;
+  const auto positive = [](const YamlNode& n) { return n.Positive(); };
+  ReadIfGiven(node, "speed_m_s", limits.speed_m_s, positive);
+  ReadIfGiven(node, "position_error_m", limits.position_error_m, positive);
+  ReadIfGiven(node, "final_position_error_m", limits.final_position_error_m, positive);
+  ReadIfGiven(node, "goal_tolerance_m", limits.goal_tolerance_m, positive);
+  ReadIfGiven(node, "heading_deg", limits.heading_rad,
+              [](const YamlNode& n) { return n.Number(1.0, 180.0) * kDegree; });
+  return limits;
+}
+
+std::string ParseManhole(const YamlNode& node, const network::Network& network) {
+  const std::string name = node.Text();
+  if (!network.FindManhole(name))
+    throw node.Error(fmt::format("the network has no manhole \"{}\"", name));
+  return name;
+}
+
+const network::Pipe& ParsePipe(const YamlNode& node, const network::Network& network) {
+  const std::string name = node.Text();
+  const auto index = network.FindPipe(name);
+  if (!index) throw node.Error(fmt::format("the network has no pipe \"{}\"", name));
+  const network::Pipe& pipe = network.pipes[*index];
+  if (!network::IsEnterable(pipe)) {
+    throw node.Error(fmt::format(
+        "pipe \"{}\" of {:.0f} mm is not one that KANTARO can enter ({:.0f} to {:.0f} mm)", name,
+        pipe.diameter_m * 1000.0, network::kSmallestEnterable_m * 1000.0,
+        network::kLargestEnterable_m * 1000.0));
+  }
+  return pipe;
+}
+
+const network::Pipe& OnlyPipeOf(const YamlNode& node, const network::Network& network,
+                                const std::string& manhole) {
+  std::vector<std::size_t> pipes = network.PipesAt(manhole);
+  std::erase_if(pipes, [&](std::size_t i) { return !network::IsEnterable(network.pipes[i]); });
+  if (pipes.size() == 1) return network.pipes[pipes.front()];
+  throw node.Error(fmt::format(
+      "{} pipes that KANTARO can enter end in manhole \"{}\": name one with the key \"pipe\"",
+      pipes.size(), manhole));
+}
+
+Start ParseStart(const YamlNode& node, const network::Network& network) {
+  node.AllowOnly({"manhole", "pipe", "chainage_m"});
+  Start start;
+  start.manhole = ParseManhole(node["manhole"], network);
+  const auto given = node.Find("pipe");
+  const network::Pipe& pipe =
+      given ? ParsePipe(*given, network) : OnlyPipeOf(node, network, start.manhole);
+  if (pipe.upstream != start.manhole && pipe.downstream != start.manhole) {
+    throw given->Error(
+        fmt::format("pipe \"{}\" runs from \"{}\" to \"{}\", not through the start manhole \"{}\"",
+                    pipe.name, pipe.upstream, pipe.downstream, start.manhole));
+  }
+  start.pipe = pipe.name;
+  const double length_m = network::PipeAxis(network, pipe).length_m();
+  // Half a metre in: the robot, some 0.3 m long, stands wholly inside the pipe.
+  start.chainage_m = pipe.upstream == start.manhole ? 0.5 : length_m - 0.5;
+  ReadIfGiven(node, "chainage_m", start.chainage_m,
+              [&](const YamlNode& n) { return n.Number(0.0, length_m); });
+  return start;
+}
+
+Goal ParseGoal(const YamlNode& node, const network::Network& network) {
+  node.AllowOnly({"manhole", "pipe", "at_m"});
+  Goal goal;
+  const auto manhole = node.Find("manhole");
+  const auto pipe = node.Find("pipe");
+  if (manhole.has_value() == pipe.has_value())
+    throw node.Error("either a manhole or a pipe is wanted here");
+  if (manhole) {
+    if (const auto at = node.Find("at_m")) throw at->Error("only a goal in a pipe has a chainage");
+    goal.manhole = ParseManhole(*manhole, network);
+  } else {
+    const network::Pipe& goal_pipe = ParsePipe(*pipe, network);
+    goal.pipe = goal_pipe.name;
+    goal.at_m = node["at_m"].Number(0.0, network::PipeAxis(network, goal_pipe).length_m());
+  }
+  return goal;
+}
+
+std::set<Sense> ParseBlind(const YamlNode& node) {
+  std::set<Sense> senses;
+  for (const YamlNode& word : node.Elements()) {
+    const auto known = std::find_if(kSenses.begin(), kSenses.end(),
+                                    [&](const auto& sense) { return word.Text() == sense.first; });
+    if (known == kSenses.end()) {
+      throw word.Error(
+          fmt::format("\"{}\" is no sense; known are laser, infrared and cameras", word.Text()));
+    }
+    senses.insert(known->second);
+  }
+  return senses;
+}
+
+/// Appends the shortest way between two manholes. @returns false if there is none.
+bool AppendRoute(const network::Network& network, const std::string& from, const std::string& to,
+                 std::vector<network::RouteLeg>& route) {
+  if (from == to) return true;
+  const std::vector<network::RouteLeg> legs = network::ShortestRoute(network, from, to);
+  route.insert(route.end(), legs.begin(), legs.end());
+  return !legs.empty();
+}
+
+double LengthOf(const network::Network& network, const std::vector<network::RouteLeg>& route) {
+  double length_m = 0.0;
+  for (const network::RouteLeg& leg : route) {
+    length_m += network::PipeAxis(network, network.PipeNamed(leg.pipe)).length_m();
+  }
+  return length_m;
+}
+
+/// Extends a route that stands at manhole `from` into the goal's pipe, from its nearer end.
+std::vector<network::RouteLeg> RouteIntoPipe(const network::Network& network,
+                                             const std::string& from, const network::Pipe& pipe) {
+  std::vector<network::RouteLeg> best;
+  for (const bool downstream : {true, false}) {
+    std::vector<network::RouteLeg> legs;
+    if (!AppendRoute(network, from, downstream ? pipe.upstream : pipe.downstream, legs)) continue;
+    // A way that already ran through the pipe has passed the goal.
+    if (std::any_of(legs.begin(), legs.end(),
+                    [&](const auto& leg) { return leg.pipe == pipe.name; }))
+      continue;
+    legs.push_back({pipe.name, downstream});
+    if (best.empty() || LengthOf(network, legs) < LengthOf(network, best)) best = legs;
+  }
+  return best;
+}
+
+}  // namespace
+
+Sense ParseSense(const std::string& word, const std::filesystem::path& argument) {
+  for (const auto& [name, sense] : kSenses) {
+    if (word == name) return sense;
+  }
+  throw InputError(argument, {}, "",
+                   fmt::format("\"{}\" is no sense; known are laser, infrared and cameras", word));
+}
+
+std::string ToString(Sense sense) {
+  for (const auto& [name, known] : kSenses) {
+    if (known == sense) return name;
+  }
+  throw std::invalid_argument("unknown sense");
+}
+
+std::vector<network::RouteLeg> PlannedRoute(const network::Network& network, const Start& start,
+                                            const Goal& goal, const std::vector<std::string>& via) {
+  const network::Pipe& start_pipe = network.PipeNamed(start.pipe);
+  const bool downstream = start_pipe.upstream == start.manhole;
+  std::vector<network::RouteLeg> route{{start.pipe, downstream}};
+  if (via.empty() && goal.pipe == start.pipe &&
+      (downstream ? goal.at_m >= start.chainage_m : goal.at_m <= start.chainage_m)) {
+    return route;
+  }
+  std::string here = downstream ? start_pipe.downstream : start_pipe.upstream;
+  for (const std::string& manhole : via) {
+    if (!AppendRoute(network, here, manhole, route)) return {};
+    here = manhole;
+  }
+  if (!goal.manhole.empty()) {
+    return AppendRoute(network, here, goal.manhole, route) ? route
+                                                           : std::vector<network::RouteLeg>{};
+  }
+  const std::vector<network::RouteLeg> last =
+      RouteIntoPipe(network, here, network.PipeNamed(goal.pipe));
+  if (last.empty()) return {};
+  route.insert(route.end(), last.begin(), last.end());
+  return route;
+}
+
+Scenario ParseScenario(const std::string& text, const std::filesystem::path& name,
+                       const NetworkReader& read_network) {
+  const YamlNode root = YamlNode::Parse(text, name);
+  root.AllowOnly({"name", "description", "network", "robot", "start", "goal", "via", "time_limit_s",
+                  "variation", "limits", "blind"});
+  Scenario scenario;
+  scenario.file = name;
+  scenario.name = ParseName(root["name"]);
+  ReadIfGiven(root, "description", scenario.description,
+              [](const YamlNode& n) { return n.Text(); });
+  scenario.network_file = ParsePath(root["network"]);
+  scenario.robot_folder = (name.parent_path() / "../models/kantaro").lexically_normal();
+  ReadIfGiven(root, "robot", scenario.robot_folder, ParsePath);
+  scenario.time_limit_s = root["time_limit_s"].Number(1.0, 86400.0);
+  ReadIfGiven(root, "variation", scenario.variation, ParseVariation);
+  ReadIfGiven(root, "limits", scenario.limits, ParseLimits);
+  ReadIfGiven(root, "blind", scenario.blind, ParseBlind);
+
+  scenario.network = read_network(scenario.network_file);
+  scenario.start = ParseStart(root["start"], scenario.network);
+  scenario.goal = ParseGoal(root["goal"], scenario.network);
+  if (const auto via = root.Find("via")) {
+    for (const YamlNode& manhole : via->Elements()) {
+      scenario.via.push_back(ParseManhole(manhole, scenario.network));
+    }
+  }
+  if (PlannedRoute(scenario.network, scenario.start, scenario.goal, scenario.via).empty()) {
+    throw root["goal"].Error("no way leads there through pipes that KANTARO can enter");
+  }
+  return scenario;
+}
+
+Scenario ReadScenario(const std::filesystem::path& file) {
+  const std::string text = ReadInputFile(file);
+  return ParseScenario(text, file, [&](const std::filesystem::path& network_file) {
+    std::error_code error;
+    if (!std::filesystem::exists(network_file, error)) {
+      throw YamlNode::Parse(text, file)["network"].Error(
+          fmt::format("no such file: {}", network_file.string()));
+    }
+    return network::ReadNetwork(network_file);
+  });
+}
+
+}  // namespace kantaro::scenarios

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "network/network.hpp"
+#include "network/topology.hpp"
+
+namespace kantaro::scenarios {
+
+/// Where the robot is set down: in a pipe of the start manhole, heading away from it.
+struct Start {
+  std::string manhole;
+  std::string pipe;
+  double chainage_m{};  ///< of the base's origin, before the seed's offset
+};
+
+/// Where the mission ends: in a manhole, or at a chainage of a pipe.
+struct Goal {
+  std::string manhole;  ///< empty if the goal lies in a pipe
+  std::string pipe;     ///< empty if the goal is a manhole
+  double at_m{};        ///< chainage in `pipe`
+};
+
+/// An interval from which a seed draws uniformly.
+struct Interval {
+  double low{}, high{};
+};
+
+/// What a seed may change. The defaults change nothing.
+struct Variation {
+  double start_offset_m{};           ///< the start moves along the pipe by up to this, either way
+  double start_yaw_rad{};            ///< and turns by up to this, either way
+  std::optional<Interval> friction;  ///< between tyre and wall; absent: the wall material's own
+  double map_error{};        ///< the map's pipe lengths are off by up to this share, either way
+  bool texture{false};       ///< every seed has its own wall texture
+  Interval light{1.0, 1.0};  ///< brightness of the robot's lights against their nominal
+};
+
+/// What the judge accepts.
+struct Limits {
+  double speed_m_s{0.15};  ///< true speed along the pipe, mean over 0.5 s (thesis 5.6: 15 cm/s)
+  double position_error_m{0.5};        ///< largest error of the estimate on the way
+  double final_position_error_m{0.3};  ///< and at the end
+  double goal_tolerance_m{0.3};        ///< how far outside the goal the robot may stop
+  double heading_rad{0.4363};  ///< deviation from the pipe's axis where there is no junction (25°)
+};
+
+/// A sense that can be taken from the robot, to show that the mission needs it.
+enum class Sense { kLaser, kInfrared, kCameras };
+
+/// "laser", "infrared" or "cameras". @throws InputError (file `argument`) for anything else.
+[[nodiscard]] Sense ParseSense(const std::string& word, const std::filesystem::path& argument);
+[[nodiscard]] std::string ToString(Sense sense);
+
+/// One mission: a world, a task, what a seed varies, and what counts as success.
+struct Scenario {
+  std::filesystem::path file;
+  std::string name;  ///< also names the run folder: letters, digits, '_', '-' and '.'
+  std::string description;
+  std::filesystem::path network_file;
+  std::filesystem::path robot_folder;  ///< holds kantaro.urdf and its companions
+  network::Network network;            ///< the truth
+  Start start;
+  Goal goal;
+  std::vector<std::string> via;  ///< manholes to pass, in order
+  double time_limit_s{};         ///< simulated
+  Variation variation;
+  Limits limits;
+  std::set<Sense> blind;
+};
+
+/// Reads a scenario and its network. Paths in the file are relative to it; the network is checked
+/// and must offer a route from the start over `via` to the goal through pipes that KANTARO can
+/// enter.
+/// @throws InputError
+[[nodiscard]] Scenario ReadScenario(const std::filesystem::path& file);
+
+/// The same from text, with the caller's way of getting a network from a path.
+using NetworkReader = std::function<network::Network(const std::filesystem::path&)>;
+[[nodiscard]] Scenario ParseScenario(const std::string& text, const std::filesystem::path& name,
+                                     const NetworkReader& read_network);
+
+/// The way from the start to the goal, beginning with the start pipe. Shortest between the start
+/// pipe's far end, each `via` and the goal; where the goal lies in a pipe, the last leg is that
+/// pipe.
+/// @returns empty if there is no way.
+[[nodiscard]] std::vector<network::RouteLeg> PlannedRoute(const network::Network& network,
+                                                          const Start& start, const Goal& goal,
+                                                          const std::vector<std::string>& via);
+
+}  // namespace kantaro::scenarios
