@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "base/random.hpp"
+#include "network/network.hpp"
+#include "network/pipe_axis.hpp"
+#include "sim/materials.hpp"
+#include "sim/visual_mesh.hpp"
+
+namespace kantaro::sim {
+
+/// A thing in the pipe and its look.
+struct Visual {
+  VisualMesh mesh;
+  Look look;
+};
+
+/// What a camera sees of a fault: a crack is a jagged dark strip on the wall, roots hang from it, mortar and
+/// grease stand on it. Sizes are the fault's own; the rank decides how far it stands out.
+/// Rank C is small and pale, as the thesis (Table 3.1) describes it: hardly visible.
+[[nodiscard]] std::vector<Visual> BuildFault(const network::PipeAxis& axis, double pipe_radius_m,
+                                             const network::Fault& fault, RandomStream& random);
+
+}  // namespace kantaro::sim

@@ -1,0 +1,356 @@
+#include "sim/renderer.hpp"
+
+#include <GL/gl.h>
+#include <GL/glext.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+
+#include "sim/mujoco_error.hpp"
+#include "sim/offscreen_context.hpp"
+
+namespace kantaro::sim {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kNear_m = 0.02;
+/// Sent back where nothing at all shines, as a share of full scale: the sensor's black level.
+constexpr double kBlack = 0.03;
+
+// GLSL 1.20: MuJoCo 2.2 draws with OpenGL's fixed pipeline and binds no program of its own, so a program bound
+// before mjr_render shades every one of its draws. E is OpenGL's eye frame: x right, y up, z backward.
+constexpr const char* kVertexShader = R"(#version 120
+varying vec3 p_E;
+varying vec3 normal_E;
+varying vec2 texel;
+void main() {
+  vec4 p = gl_ModelViewMatrix * gl_Vertex;
+  p_E = p.xyz;
+  normal_E = mat3(gl_ModelViewMatrix) * gl_Normal;
+  texel = gl_MultiTexCoord0.xy;
+  gl_Position = gl_ProjectionMatrix * p;
+}
+)";
+
+constexpr const char* kLampShader = R"(#version 120
+varying vec3 p_E;
+varying vec3 normal_E;
+varying vec2 texel;
+uniform sampler2D pattern;   // albedo, slope along texel.x, slope along texel.y
+uniform int lamp_count;
+uniform vec3 p_ELamp[8];
+uniform vec3 direction_E;    // of the lamps
+uniform float radiance;      // of the lamps together at 1 m, divided by their number
+uniform float reach;
+
+// The wall's normal, leaned by the pattern's slopes; where they point follows from the screen's derivatives.
+vec3 LeanedNormal(vec3 normal, vec2 slope) {
+  vec3 dp_x = dFdx(p_E);
+  vec3 dp_y = dFdy(p_E);
+  vec2 dt_x = dFdx(texel);
+  vec2 dt_y = dFdy(texel);
+  vec3 r_x = cross(dp_y, normal);
+  vec3 r_y = cross(normal, dp_x);
+  vec3 along = r_x * dt_x.x + r_y * dt_y.x;
+  vec3 around = r_x * dt_x.y + r_y * dt_y.y;
+  float scale = inversesqrt(max(max(dot(along, along), dot(around, around)), 1e-20));
+  return normalize(normal - scale * (slope.x * along + slope.y * around));
+}
+
+void main() {
+  vec3 texture = texture2D(pattern, texel, -0.5).rgb;
+  float albedo = texture.r;
+  float gloss = gl_FrontMaterial.specular.r;
+  float relief = gl_FrontMaterial.shininess / 128.0;
+  vec3 normal = LeanedNormal(normalize(normal_E), 2.0 * relief * (texture.gb - 128.0 / 255.0));
+  vec3 view = normalize(-p_E);
+  float wet = 1.0 - smoothstep(0.25, 0.45, albedo);
+
+  float diffuse = 0.0;
+  float highlight = 0.0;
+  for (int i = 0; i < lamp_count; ++i) {
+    vec3 to_lamp = p_ELamp[i] - p_E;
+    float inverse = inversesqrt(dot(to_lamp, to_lamp));
+    to_lamp *= inverse;
+    // An LED behind a diffuser: all to the front, some to the sides, nothing backward.
+    float lobe = max(0.0, 0.25 - 0.75 * dot(to_lamp, direction_E));
+    float light = lobe * inverse * inverse;
+    // The white tube sends light round corners: a little arrives from everywhere.
+    diffuse += light * (0.92 * max(dot(normal, to_lamp), 0.0) + 0.08);
+    float h = max(dot(normal, normalize(to_lamp + view)), 0.0);
+    h *= h; h *= h; h *= h; h *= h; h *= h;
+    highlight += light * h;
+  }
+  // Soil is brown and dark, clean wall has the material's own colour.
+  vec3 colour = gl_FrontMaterial.diffuse.rgb * mix(vec3(1.0, 0.84, 0.66), vec3(1.0), smoothstep(0.25, 0.72, albedo));
+  float fade = clamp(1.0 + p_E.z / reach, 0.0, 1.0);
+  vec3 light = radiance * fade * (colour * albedo * diffuse + gloss * (0.35 + wet) * highlight);
+  gl_FragColor = vec4(sqrt(1.0 - exp(-light)), 1.0);
+}
+)";
+
+// Depth as 24 bits over twice the reach, independent of how MuJoCo sets up its depth buffer.
+constexpr const char* kDepthShader = R"(#version 120
+varying vec3 p_E;
+uniform float reach;
+void main() {
+  float depth = -p_E.z / (2.0 * reach) * 255.0;
+  float high = floor(depth);
+  float middle = floor((depth - high) * 256.0);
+  float low = floor((depth - high - middle / 256.0) * 65536.0);
+  gl_FragColor = vec4(high / 255.0, middle / 255.0, low / 255.0, 1.0);
+}
+)";
+
+/// The OpenGL calls that this file makes itself.
+struct Gl {
+  template <typename Function>
+  static Function Entry(const char* name) {
+    return OffscreenContext::Entry<Function>(name);
+  }
+  PFNGLCREATESHADERPROC CreateShader = Entry<PFNGLCREATESHADERPROC>("glCreateShader");
+  PFNGLSHADERSOURCEPROC ShaderSource = Entry<PFNGLSHADERSOURCEPROC>("glShaderSource");
+  PFNGLCOMPILESHADERPROC CompileShader = Entry<PFNGLCOMPILESHADERPROC>("glCompileShader");
+  PFNGLGETSHADERIVPROC GetShaderiv = Entry<PFNGLGETSHADERIVPROC>("glGetShaderiv");
+  PFNGLGETSHADERINFOLOGPROC GetShaderInfoLog = Entry<PFNGLGETSHADERINFOLOGPROC>("glGetShaderInfoLog");
+  PFNGLCREATEPROGRAMPROC CreateProgram = Entry<PFNGLCREATEPROGRAMPROC>("glCreateProgram");
+  PFNGLATTACHSHADERPROC AttachShader = Entry<PFNGLATTACHSHADERPROC>("glAttachShader");
+  PFNGLLINKPROGRAMPROC LinkProgram = Entry<PFNGLLINKPROGRAMPROC>("glLinkProgram");
+  PFNGLGETPROGRAMIVPROC GetProgramiv = Entry<PFNGLGETPROGRAMIVPROC>("glGetProgramiv");
+  PFNGLUSEPROGRAMPROC UseProgram = Entry<PFNGLUSEPROGRAMPROC>("glUseProgram");
+  PFNGLGETUNIFORMLOCATIONPROC GetUniformLocation = Entry<PFNGLGETUNIFORMLOCATIONPROC>("glGetUniformLocation");
+  PFNGLUNIFORM1IPROC Uniform1i = Entry<PFNGLUNIFORM1IPROC>("glUniform1i");
+  PFNGLUNIFORM1FPROC Uniform1f = Entry<PFNGLUNIFORM1FPROC>("glUniform1f");
+  PFNGLUNIFORM3FVPROC Uniform3fv = Entry<PFNGLUNIFORM3FVPROC>("glUniform3fv");
+  using ReadPixelsFunction = void (*)(GLint, GLint, GLsizei, GLsizei, GLenum, GLenum, void*);
+  ReadPixelsFunction ReadPixels = Entry<ReadPixelsFunction>("glReadPixels");
+};
+
+GLuint CompileShader(const Gl& gl, GLenum kind, const char* source) {
+  const GLuint shader = gl.CreateShader(kind);
+  gl.ShaderSource(shader, 1, &source, nullptr);
+  gl.CompileShader(shader);
+  GLint compiled = 0;
+  gl.GetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
+  if (compiled == 0) {
+    std::array<char, 2000> log{};
+    gl.GetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
+    throw RenderingUnavailable(std::string("cameras cannot be rendered: OpenGL refuses a shader: ") + log.data());
+  }
+  return shader;
+}
+
+GLuint LinkProgram(const Gl& gl, const char* fragment_source) {
+  const GLuint program = gl.CreateProgram();
+  gl.AttachShader(program, CompileShader(gl, GL_VERTEX_SHADER, kVertexShader));
+  gl.AttachShader(program, CompileShader(gl, GL_FRAGMENT_SHADER, fragment_source));
+  gl.LinkProgram(program);
+  GLint linked = 0;
+  gl.GetProgramiv(program, GL_LINK_STATUS, &linked);
+  if (linked == 0) throw RenderingUnavailable("cameras cannot be rendered: OpenGL does not link a shader");
+  return program;
+}
+
+/// What a view sees: a pyramid of planes through the camera, cut off at the reach.
+class Pyramid {
+ public:
+  explicit Pyramid(const CameraView& view) : X_CW_(view.X_WC.inverse()) {
+    const double left = -(view.center_x_px + 0.5), right = view.width_px - 0.5 - view.center_x_px;
+    const double top = -(view.center_y_px + 0.5), bottom = view.height_px - 0.5 - view.center_y_px;
+    const double f = view.focal_px;
+    inward_C_ = {Vector3d(f, 0, -left).normalized(), Vector3d(-f, 0, right).normalized(),
+                 Vector3d(0, f, -top).normalized(), Vector3d(0, -f, bottom).normalized()};
+  }
+
+  [[nodiscard]] bool Meets(const Vector3d& p_WCentre, double radius_m) const {
+    const Vector3d p_C = X_CW_ * p_WCentre;
+    if (p_C.norm() > Renderer::kReach_m + radius_m || p_C.z() < -radius_m) return false;
+    return std::ranges::all_of(inward_C_, [&](const Vector3d& inward) { return inward.dot(p_C) > -radius_m; });
+  }
+
+ private:
+  Eigen::Isometry3d X_CW_;
+  std::array<Vector3d, 4> inward_C_;
+};
+
+/// MuJoCo loads OpenGL's entry points into globals whenever it makes a context.
+std::mutex& ContextMutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+}  // namespace
+
+class Renderer::Impl {
+ public:
+  Impl(std::shared_ptr<const Scenery> scenery, const RendererOptions& options)
+      : scenery_(std::move(scenery)), options_(options) {
+    ThrowOnMujocoErrors();
+    const std::lock_guard lock(ContextMutex());
+    const OffscreenContext::Current current(context_);
+    gl_.emplace();
+    // Only numbers change in this copy; the arrays stay the scenery's.
+    mjModel model = scenery_->model();
+    model.vis.global.offwidth = options.max_width_px;
+    model.vis.global.offheight = options.max_height_px;
+    mjr_defaultContext(&mujoco_);
+    mjr_makeContext(&model, &mujoco_, mjFONTSCALE_100);
+    mjr_setBuffer(mjFB_OFFSCREEN, &mujoco_);
+    if (mujoco_.currentBuffer != mjFB_OFFSCREEN) {
+      throw RenderingUnavailable("cameras cannot be rendered: OpenGL gives no framebuffer");
+    }
+    lamp_program_ = LinkProgram(*gl_, kLampShader);
+    depth_program_ = LinkProgram(*gl_, kDepthShader);
+    mjv_defaultScene(&scene_);
+    mjv_makeScene(&scenery_->model(), &scene_, static_cast<int>(scenery_->pieces().size()));
+    std::ranges::fill(scene_.flags, mjtByte{0});
+    scene_.flags[mjRND_CULL_FACE] = 1;
+  }
+
+  ~Impl() {
+    const std::lock_guard lock(ContextMutex());
+    const OffscreenContext::Current current(context_);
+    mjv_freeScene(&scene_);
+    mjr_freeContext(&mujoco_);
+  }
+
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  cv::Mat Render(const CameraView& view, const Lamps& lamps) {
+    Check(view);
+    if (lamps.p_WLamp.size() > kMaxLamps) throw std::invalid_argument("more lamps than a renderer can light");
+    const OffscreenContext::Current current(context_);
+    gl_->UseProgram(lamp_program_);
+    SetLamps(view, lamps);
+    const cv::Mat pixels = Draw(view, lamp_program_);
+    cv::Mat image(pixels.size(), CV_8UC3);
+    // OpenGL's rows run upward. The black level is added here, so that empty and unlit pixels agree.
+    std::array<std::uint8_t, 256> tone{};
+    for (std::size_t i = 0; i < tone.size(); ++i) {
+      tone[i] = static_cast<std::uint8_t>(std::lround(255.0 * kBlack + static_cast<double>(i) * (1.0 - kBlack)));
+    }
+    for (int row = 0; row < image.rows; ++row) {
+      const auto* from = pixels.ptr<cv::Vec4b>(image.rows - 1 - row);
+      auto* to = image.ptr<cv::Vec3b>(row);
+      for (int col = 0; col < image.cols; ++col) {
+        to[col] = {tone[from[col][0]], tone[from[col][1]], tone[from[col][2]]};
+      }
+    }
+    return image;
+  }
+
+  cv::Mat RenderDepth(const CameraView& view) {
+    Check(view);
+    const OffscreenContext::Current current(context_);
+    gl_->UseProgram(depth_program_);
+    const cv::Mat pixels = Draw(view, depth_program_);
+    cv::Mat depth(pixels.size(), CV_32F);
+    for (int row = 0; row < depth.rows; ++row) {
+      const auto* from = pixels.ptr<cv::Vec4b>(depth.rows - 1 - row);
+      auto* to = depth.ptr<float>(row);
+      for (int col = 0; col < depth.cols; ++col) {
+        const cv::Vec4b& p = from[col];
+        const double share = p[2] + p[1] / 256.0 + p[0] / 65536.0;
+        to[col] = static_cast<float>(share / 255.0 * 2.0 * kReach_m);
+      }
+    }
+    return depth;
+  }
+
+ private:
+  void Check(const CameraView& view) const {
+    if (view.width_px < 1 || view.height_px < 1 || view.width_px > options_.max_width_px ||
+        view.height_px > options_.max_height_px || !(view.focal_px > 0.0)) {
+      throw std::invalid_argument("a camera view must have a focal length, and a size from 1 pixel to the renderer's");
+    }
+  }
+
+  void SetLamps(const CameraView& view, const Lamps& lamps) const {
+    // Camera frame C to OpenGL's eye frame E: y and z are turned round.
+    Eigen::Matrix3d R_EW = view.X_WC.linear().transpose();
+    R_EW.row(1) *= -1.0;
+    R_EW.row(2) *= -1.0;
+    std::array<Eigen::Vector3f, kMaxLamps> p_ELamp{};
+    for (std::size_t i = 0; i < lamps.p_WLamp.size(); ++i) {
+      p_ELamp[i] = (R_EW * (lamps.p_WLamp[i] - view.X_WC.translation())).cast<float>();
+    }
+    const Eigen::Vector3f direction_E = (R_EW * lamps.direction_W.normalized()).cast<float>();
+    const auto count = static_cast<GLint>(lamps.p_WLamp.size());
+    const auto at = [&](const char* name) { return gl_->GetUniformLocation(lamp_program_, name); };
+    gl_->Uniform1i(at("pattern"), 0);
+    gl_->Uniform1i(at("lamp_count"), count);
+    if (count > 0) gl_->Uniform3fv(at("p_ELamp"), count, p_ELamp[0].data());
+    gl_->Uniform3fv(at("direction_E"), 1, direction_E.data());
+    gl_->Uniform1f(at("radiance"), static_cast<float>(kExposure * lamps.brightness / std::max(count, 1)));
+  }
+
+  /// Draws with the bound program and reads back: BGRA, the lowest row first.
+  cv::Mat Draw(const CameraView& view, GLuint program) {
+    gl_->Uniform1f(gl_->GetUniformLocation(program, "reach"), static_cast<float>(kReach_m));
+    SetCamera(view);
+    ChoosePieces(view);
+    const mjrRect viewport{0, 0, view.width_px, view.height_px};
+    mjr_setBuffer(mjFB_OFFSCREEN, &mujoco_);
+    mjr_render(viewport, &scene_, &mujoco_);
+    cv::Mat pixels(view.height_px, view.width_px, CV_8UC4);
+    gl_->ReadPixels(0, 0, view.width_px, view.height_px, GL_BGRA, GL_UNSIGNED_BYTE, pixels.data);
+    return pixels;
+  }
+
+  /// The camera stands at OpenGL's origin and the scene is moved to it: single precision then suffices anywhere.
+  void SetCamera(const CameraView& view) {
+    mjvGLCamera camera{};
+    const Eigen::Matrix3f R_WC = view.X_WC.linear().cast<float>();
+    Eigen::Map<Eigen::Vector3f>(camera.forward) = R_WC.col(2);
+    Eigen::Map<Eigen::Vector3f>(camera.up) = -R_WC.col(1);
+    const double scale = kNear_m / view.focal_px;
+    camera.frustum_center = static_cast<float>(scale * (0.5 * (view.width_px - 1) - view.center_x_px));
+    camera.frustum_top = static_cast<float>(scale * (view.center_y_px + 0.5));
+    camera.frustum_bottom = static_cast<float>(-scale * (view.height_px - 0.5 - view.center_y_px));
+    camera.frustum_near = static_cast<float>(kNear_m);
+    camera.frustum_far = static_cast<float>(2.0 * kReach_m);
+    scene_.camera[0] = scene_.camera[1] = camera;
+  }
+
+  void ChoosePieces(const CameraView& view) {
+    const Pyramid pyramid(view);
+    scene_.ngeom = 0;
+    for (const Scenery::Piece& piece : scenery_->pieces()) {
+      if (!pyramid.Meets(piece.p_WCentre, piece.radius_m)) continue;
+      mjvGeom& geom = scene_.geoms[scene_.ngeom++];
+      geom = piece.geom;
+      Eigen::Map<Eigen::Vector3f>(geom.pos) = (piece.p_WG - view.X_WC.translation()).cast<float>();
+    }
+  }
+
+  /// Walls 0.3 to 0.6 m ahead of the nominal lamps come out mid-grey.
+  static constexpr double kExposure = 0.5;
+
+  std::shared_ptr<const Scenery> scenery_;
+  RendererOptions options_;
+  OffscreenContext context_;
+  std::optional<Gl> gl_;
+  mjrContext mujoco_{};
+  mjvScene scene_{};
+  GLuint lamp_program_{};
+  GLuint depth_program_{};
+};
+
+Renderer::Renderer(std::shared_ptr<const Scenery> scenery, const RendererOptions& options)
+    : impl_(std::make_unique<Impl>(std::move(scenery), options)) {}
+
+Renderer::~Renderer() = default;
+
+cv::Mat Renderer::Render(const CameraView& view, const Lamps& lamps) { return impl_->Render(view, lamps); }
+
+cv::Mat Renderer::RenderDepth(const CameraView& view) { return impl_->RenderDepth(view); }
+
+double Response(double radiance) { return kBlack + (1.0 - kBlack) * std::sqrt(1.0 - std::exp(-radiance)); }
+
+}  // namespace kantaro::sim

@@ -1,0 +1,284 @@
+#include "sim/scenery.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
+
+#include "base/random.hpp"
+#include "sim/fault_geometry.hpp"
+#include "sim/materials.hpp"
+#include "sim/mujoco_error.hpp"
+
+namespace kantaro::sim {
+namespace {
+
+using Eigen::Vector2f;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+/// MuJoCo takes at most this many files at once; three are textures.
+constexpr std::size_t kMostMeshes = mjMAXVFS - kPatternCount;
+
+/// How one primitive's wall is painted.
+struct Paint {
+  Look look;
+  Vector2f period_m{1.0f, 1.0f};   ///< size of a pattern's period along and around
+  Vector2f offset{0.0f, 0.0f};     ///< in periods
+};
+
+/// A tone of its own for each part, as pipes come from different batches and age apart.
+void VaryTone(Paint& paint, RandomStream& random, double contrast) {
+  const double tone = 1.0 + contrast * random.Uniform(-0.10, 0.06);
+  const double warmth = contrast * random.Uniform(-0.03, 0.03);
+  paint.look.colour.x() *= static_cast<float>(tone * (1.0 + warmth));
+  paint.look.colour.y() *= static_cast<float>(tone);
+  paint.look.colour.z() *= static_cast<float>(tone * (1.0 - warmth));
+}
+
+Paint PaintOf(const Sewer& sewer, std::size_t index, const SceneryOptions& options) {
+  const VoidPrimitive& primitive = sewer.voids[index];
+  const Part& part = sewer.parts[primitive.part];
+  RandomStream random(options.seed, fmt::format("paint {}", index));
+  Paint paint;
+  paint.look = {Pattern::kConcrete, {0.62f, 0.58f, 0.50f}, 0.10f, 1.0f};
+  switch (primitive.feature) {
+    case Feature::kStraight:
+    case Feature::kBend: {
+      const auto turn_m = static_cast<float>(2.0 * std::numbers::pi * primitive.radius_m);
+      paint.look = PipeWallLook(sewer.network.pipes[part.index].material);
+      paint.period_m = {2.0f * turn_m, turn_m};
+      // Only along: around, the deposit belongs to the invert.
+      paint.offset.x() = static_cast<float>(random.Uniform(0.0, 1.0));
+      break;
+    }
+    case Feature::kJoint:  // the gap has filled with dirt
+      paint.look = {Pattern::kRough, {0.15f, 0.12f, 0.09f}, 0.05f, 0.5f};
+      paint.period_m = {0.2f, 0.2f};
+      break;
+    case Feature::kInlet:
+      paint.look = {Pattern::kConcrete, {0.26f, 0.22f, 0.18f}, 0.2f, 0.6f};
+      break;
+    case Feature::kChannel:
+      paint.look = {Pattern::kConcrete, {0.50f, 0.44f, 0.36f}, 0.35f, 0.8f};
+      [[fallthrough]];
+    case Feature::kShaft:
+      paint.offset = {static_cast<float>(random.Uniform(0.0, 1.0)), static_cast<float>(random.Uniform(0.0, 1.0))};
+      break;
+  }
+  VaryTone(paint, random, options.texture_contrast);
+  return paint;
+}
+
+Vector3d Middle(const SurfaceMesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
+  return (mesh.positions[triangle[0]] + mesh.positions[triangle[1]] + mesh.positions[triangle[2]]).cast<double>() / 3.0;
+}
+
+/// Cuts the wall into one mesh for each primitive and stretch of `chunk_m` along it.
+std::vector<Visual> CutWall(const Sewer& sewer, const SurfaceMesh& mesh, const SceneryOptions& options,
+                            double chunk_m) {
+  std::map<std::pair<std::uint32_t, int>, std::vector<std::size_t>> groups;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const std::uint32_t owner = mesh.owner[t];
+    const double along_m = ToSweep(sewer.voids[owner], Middle(mesh, mesh.triangles[t])).along_m;
+    groups[{owner, static_cast<int>(std::floor(along_m / chunk_m))}].push_back(t);
+  }
+  std::vector<Visual> visuals;
+  for (const auto& [key, triangles] : groups) {
+    const Paint paint = PaintOf(sewer, key.first, options);
+    Visual& visual = visuals.emplace_back();
+    visual.look = paint.look;
+    visual.mesh.p_WO = mesh.positions[mesh.triangles[triangles.front()][0]].cast<double>();
+    std::unordered_map<std::uint32_t, std::uint32_t> renumbered;
+    for (const std::size_t t : triangles) {
+      auto& triangle = visual.mesh.triangles.emplace_back();
+      for (std::size_t corner = 0; corner < 3; ++corner) {
+        const std::uint32_t vertex = mesh.triangles[t][corner];
+        const auto [found, is_new] =
+            renumbered.try_emplace(vertex, static_cast<std::uint32_t>(visual.mesh.positions.size()));
+        triangle[corner] = found->second;
+        if (!is_new) continue;
+        visual.mesh.positions.push_back(
+            (mesh.positions[vertex].cast<double>() - visual.mesh.p_WO).cast<float>());
+        visual.mesh.normals.push_back(mesh.normals[vertex]);
+        visual.mesh.texture.push_back(mesh.surface_m[vertex].cwiseQuotient(paint.period_m) + paint.offset);
+      }
+    }
+  }
+  return visuals;
+}
+
+std::vector<Visual> BuildVisuals(const Sewer& sewer, const SurfaceMesh& mesh, const SceneryOptions& options) {
+  std::vector<Visual> faults;
+  for (std::size_t i = 0; i < sewer.network.pipes.size(); ++i) {
+    const network::Pipe& pipe = sewer.network.pipes[i];
+    for (const network::Fault& fault : pipe.faults) {
+      RandomStream random(options.seed, fmt::format("fault {} {}", pipe.name, fault.name));
+      for (Visual& visual : BuildFault(sewer.axes[i], pipe.diameter_m / 2.0, fault, random)) {
+        faults.push_back(std::move(visual));
+      }
+    }
+  }
+  std::vector<Visual> visuals = CutWall(sewer, mesh, options, options.chunk_length_m);
+  for (double chunk_m = options.chunk_length_m; visuals.size() + faults.size() > kMostMeshes;) {
+    chunk_m *= 2.0;
+    if (sewer.voids.size() + faults.size() > kMostMeshes && chunk_m > 1e4) {
+      throw std::invalid_argument(fmt::format("a scenery holds {} pieces at most: give it the part of the network "
+                                              "that the mission can reach", kMostMeshes));
+    }
+    visuals = CutWall(sewer, mesh, options, chunk_m);
+  }
+  std::move(faults.begin(), faults.end(), std::back_inserter(visuals));
+  return visuals;
+}
+
+/// The bytes of a file as MuJoCo reads it.
+class FileBytes {
+ public:
+  template <typename T>
+  void Append(const T* values, std::size_t count) {
+    const auto* begin = reinterpret_cast<const char*>(values);
+    bytes_.insert(bytes_.end(), begin, begin + count * sizeof(T));
+  }
+  void AppendInt(std::size_t value) {
+    const auto number = static_cast<std::int32_t>(value);
+    Append(&number, 1);
+  }
+  [[nodiscard]] const std::vector<char>& bytes() const { return bytes_; }
+
+ private:
+  std::vector<char> bytes_;
+};
+
+FileBytes MeshFile(const VisualMesh& mesh) {
+  FileBytes file;
+  file.AppendInt(mesh.positions.size());
+  file.AppendInt(mesh.normals.size());
+  file.AppendInt(mesh.texture.size());
+  file.AppendInt(mesh.triangles.size());
+  file.Append(mesh.positions.data(), mesh.positions.size());
+  file.Append(mesh.normals.data(), mesh.normals.size());
+  file.Append(mesh.texture.data(), mesh.texture.size());
+  file.Append(mesh.triangles.data(), mesh.triangles.size());
+  return file;
+}
+
+FileBytes TextureFile(const cv::Mat& pattern) {
+  FileBytes file;
+  file.AppendInt(static_cast<std::size_t>(pattern.cols));
+  file.AppendInt(static_cast<std::size_t>(pattern.rows));
+  file.Append(pattern.data, pattern.total() * pattern.elemSize());
+  return file;
+}
+
+/// Files that exist in memory only.
+class VirtualFiles {
+ public:
+  VirtualFiles() : vfs_(std::make_unique<mjVFS>()) { mj_defaultVFS(vfs_.get()); }
+  ~VirtualFiles() { mj_deleteVFS(vfs_.get()); }
+  VirtualFiles(const VirtualFiles&) = delete;
+  VirtualFiles& operator=(const VirtualFiles&) = delete;
+
+  void Add(const std::string& name, const std::vector<char>& bytes) {
+    if (mj_makeEmptyFileVFS(vfs_.get(), name.c_str(), static_cast<int>(bytes.size())) != 0) {
+      throw MujocoError("MuJoCo: no room for " + name);
+    }
+    std::memcpy(vfs_->filedata[vfs_->nfile - 1], bytes.data(), bytes.size());
+  }
+  [[nodiscard]] const mjVFS* get() const { return vfs_.get(); }
+
+ private:
+  std::unique_ptr<mjVFS> vfs_;
+};
+
+constexpr std::array<Pattern, kPatternCount> kPatterns{Pattern::kPipeWall, Pattern::kConcrete, Pattern::kRough};
+
+mjModel* Compile(const std::vector<Visual>& visuals, const SceneryOptions& options) {
+  VirtualFiles files;
+  std::string assets, geoms;
+  for (const Pattern pattern : kPatterns) {
+    const int i = static_cast<int>(pattern);
+    files.Add(fmt::format("pattern{}.rgb", i),
+              TextureFile(MakePattern(pattern, options.seed, options.texture_contrast)).bytes());
+    assets += fmt::format("<texture name='pattern{0}' type='2d' file='pattern{0}.rgb'/>"
+                          "<material name='pattern{0}' texture='pattern{0}'/>", i);
+  }
+  for (std::size_t i = 0; i < visuals.size(); ++i) {
+    const Visual& visual = visuals[i];
+    files.Add(fmt::format("{}.msh", i), MeshFile(visual.mesh).bytes());
+    assets += fmt::format("<mesh file='{}.msh'/>", i);
+    const Vector3d& p = visual.mesh.p_WO;
+    geoms += fmt::format("<geom type='mesh' mesh='{}' material='pattern{}' pos='{} {} {}' contype='0' conaffinity='0'/>", i,
+                         static_cast<int>(visual.look.pattern), p.x(), p.y(), p.z());
+  }
+  files.Add("scenery.xml", [&] {
+    const std::string xml = "<mujoco><visual><quality shadowsize='0' offsamples='0'/></visual><asset>" + assets +
+                            "</asset><worldbody>" + geoms + "</worldbody></mujoco>";
+    return std::vector<char>(xml.begin(), xml.end());
+  }());
+  std::array<char, 1000> problem{};
+  mjModel* model = mj_loadXML("scenery.xml", files.get(), problem.data(), static_cast<int>(problem.size()));
+  if (model == nullptr) throw MujocoError(std::string("MuJoCo refuses the scenery: ") + problem.data());
+  return model;
+}
+
+/// MuJoCo's own account of how to draw each geom, and where it put it: it re-centres meshes on their inertia.
+std::vector<Scenery::Piece> Place(const mjModel* model, const std::vector<Visual>& visuals) {
+  const std::unique_ptr<mjData, void (*)(mjData*)> data(mj_makeData(model), mj_deleteData);
+  mj_kinematics(model, data.get());
+  mjvScene scene;
+  mjv_defaultScene(&scene);
+  mjv_makeScene(model, &scene, model->ngeom);
+  mjvOption option;
+  mjv_defaultOption(&option);
+  mjvCamera camera;
+  mjv_defaultCamera(&camera);
+  mjv_updateScene(model, data.get(), &option, nullptr, &camera, mjCAT_ALL, &scene);
+
+  std::vector<Scenery::Piece> pieces(visuals.size());
+  for (int i = 0; i < scene.ngeom; ++i) {
+    const mjvGeom& geom = scene.geoms[i];
+    const auto index = static_cast<std::size_t>(geom.objid);
+    const Visual& visual = visuals[index];
+    Scenery::Piece& piece = pieces[index];
+    piece.geom = geom;
+    for (int c = 0; c < 3; ++c) piece.geom.rgba[c] = visual.look.colour[c];
+    piece.geom.rgba[3] = 1.0f;
+    // The shader reads these two as gloss and relief.
+    piece.geom.specular = visual.look.gloss;
+    piece.geom.shininess = visual.look.relief;
+    piece.geom.emission = 0.0f;
+    piece.p_WG = Eigen::Map<const Vector3d>(data->geom_xpos + 3 * geom.objid);
+    Eigen::AlignedBox3f box;
+    for (const Vector3f& p : visual.mesh.positions) box.extend(p);
+    piece.p_WCentre = visual.mesh.p_WO + box.center().cast<double>();
+    piece.radius_m = 0.5 * box.diagonal().norm();
+    piece.triangle_count = static_cast<int>(visual.mesh.triangles.size());
+  }
+  mjv_freeScene(&scene);
+  return pieces;
+}
+
+}  // namespace
+
+Scenery::Scenery(const Sewer& sewer, const SurfaceMesh& mesh, const SceneryOptions& options) {
+  const auto is_owner = [&](std::uint32_t owner) { return owner < sewer.voids.size(); };
+  if (mesh.owner.size() != mesh.triangles.size() || !std::ranges::all_of(mesh.owner, is_owner)) {
+    throw std::invalid_argument("a scenery needs the mesh of its own sewer");
+  }
+  ThrowOnMujocoErrors();
+  const std::vector<Visual> visuals = BuildVisuals(sewer, mesh, options);
+  model_.reset(Compile(visuals, options));
+  pieces_ = Place(model_.get(), visuals);
+}
+
+}  // namespace kantaro::sim
