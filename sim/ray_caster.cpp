@@ -23,11 +23,22 @@ void Check(RTCDevice device, const char* doing) {
 }
 
 // Embree reads 16 bytes at a 12-byte vertex: it keeps its own, padded buffer.
+template <typename Item>
 void FillBuffer(RTCDevice device, RTCGeometry geometry, RTCBufferType type, RTCFormat format,
-                const void* data, std::size_t item_bytes, std::size_t count) {
-  void* const buffer = rtcSetNewGeometryBuffer(geometry, type, 0, format, item_bytes, count);
+                const std::vector<Item>& items) {
+  void* const buffer =
+      rtcSetNewGeometryBuffer(geometry, type, 0, format, sizeof(Item), items.size());
   Check(device, "storing the wall");
-  if (buffer != nullptr && count > 0) std::memcpy(buffer, data, item_bytes * count);
+  if (buffer != nullptr && !items.empty()) {
+    std::memcpy(buffer, items.data(), sizeof(Item) * items.size());
+  }
+}
+
+Eigen::Vector3d Middle(const SurfaceMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p_WV : mesh.positions) box.extend(p_WV);
+  if (box.isEmpty()) return Eigen::Vector3d::Zero();
+  return box.center();
 }
 
 }  // namespace
@@ -35,12 +46,13 @@ void FillBuffer(RTCDevice device, RTCGeometry geometry, RTCBufferType type, RTCF
 struct RayCaster::Scene {
   RTCDevice device{};
   RTCScene scene{};
+  Eigen::Vector3d p_WO;  // of Embree's frame, which has W's axes
   std::vector<Eigen::Vector3f> normals;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::uint32_t> owner;
 
   explicit Scene(const SurfaceMesh& mesh)
-      : normals(mesh.normals), triangles(mesh.triangles), owner(mesh.owner) {
+      : p_WO(Middle(mesh)), normals(mesh.normals), triangles(mesh.triangles), owner(mesh.owner) {
     // One thread: trees built by several differ from run to run.
     device = rtcNewDevice("threads=1");
     if (device == nullptr) Check(nullptr, "starting");
@@ -70,10 +82,10 @@ struct RayCaster::Scene {
     const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     Check(device, "making the wall");
     try {
-      FillBuffer(device, geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, mesh.positions.data(),
-                 sizeof(Eigen::Vector3f), mesh.positions.size());
-      FillBuffer(device, geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, mesh.triangles.data(),
-                 sizeof(mesh.triangles[0]), mesh.triangles.size());
+      std::vector<Eigen::Vector3f> positions;
+      for (const auto& p_WV : mesh.positions) positions.emplace_back((p_WV - p_WO).cast<float>());
+      FillBuffer(device, geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, positions);
+      FillBuffer(device, geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, triangles);
       rtcCommitGeometry(geometry);
       rtcAttachGeometry(scene, geometry);
     } catch (...) {
@@ -91,12 +103,12 @@ RayCaster::~RayCaster() = default;
 RayCaster::RayCaster(RayCaster&&) noexcept = default;
 RayCaster& RayCaster::operator=(RayCaster&&) noexcept = default;
 
-std::optional<RayHit> RayCaster::Cast(const Eigen::Vector3d& p_WO,
+std::optional<RayHit> RayCaster::Cast(const Eigen::Vector3d& p_WR,
                                       const Eigen::Vector3d& direction_W,
                                       double max_range_m) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  const Eigen::Vector3f origin = p_WO.cast<float>();
+  const Eigen::Vector3f origin = (p_WR - scene_->p_WO).cast<float>();
   const Eigen::Vector3f direction = direction_W.cast<float>();
   RTCRayHit query{};
   query.ray.org_x = origin.x();
@@ -126,7 +138,7 @@ void RayCaster::Cast(std::span<const Ray> rays, double max_range_m,
     throw std::invalid_argument("RayCaster::Cast: as many hits as rays are needed");
   }
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    hits[i] = Cast(rays[i].p_WO, rays[i].direction_W, max_range_m);
+    hits[i] = Cast(rays[i].p_WR, rays[i].direction_W, max_range_m);
   }
 }
 

@@ -12,7 +12,7 @@ namespace kantaro::sim {
 
 /// A half line in the world.
 struct Ray {
-  Eigen::Vector3d p_WO{Eigen::Vector3d::Zero()};          ///< origin [m]
+  Eigen::Vector3d p_WR{Eigen::Vector3d::Zero()};          ///< origin [m]
   Eigen::Vector3d direction_W{Eigen::Vector3d::UnitX()};  ///< unit
 };
 
@@ -23,10 +23,12 @@ struct RayHit {
   std::uint32_t owner{};     ///< index of the void primitive whose wall it is
 };
 
-/// Finds the nearest wall along a ray (Embree, single precision, watertight between triangles that
-/// share an edge). Both sides of the wall count: a ray that starts in the ground hits it from
-/// behind, and then normal · direction > 0. Holds its own copy of the mesh. Casting is const and
-/// may go on in many threads at once; one mesh and one ray give the same hit to the bit.
+/// Finds the nearest wall along a ray (Embree; watertight between triangles that share an edge).
+/// Both sides of the wall count: a ray that starts in the ground hits it from behind, and then
+/// normal · direction > 0. It reckons in single precision about the middle of the mesh: to 4 µm
+/// within 50 m of it, 0.1 mm within 1 km; of a whole city, give it the part around the robot
+/// (Extract). Holds its own copy of the mesh. Casting is const and may go on in many threads at
+/// once; one mesh and one ray give the same hit to the bit.
 class RayCaster {
  public:
   /// @throws std::runtime_error if Embree cannot be started or runs out of memory
@@ -38,7 +40,7 @@ class RayCaster {
   RayCaster& operator=(const RayCaster&) = delete;
 
   /// Absent if there is no wall within max_range_m.
-  [[nodiscard]] std::optional<RayHit> Cast(const Eigen::Vector3d& p_WO,
+  [[nodiscard]] std::optional<RayHit> Cast(const Eigen::Vector3d& p_WR,
                                            const Eigen::Vector3d& direction_W,
                                            double max_range_m) const;
 

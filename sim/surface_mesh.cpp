@@ -361,9 +361,12 @@ class Trimmer {
     bool earlier{};
   };
 
-  Trimmer(const VoidPrimitive& primitive, const Solid& solid, std::vector<Obstacle> obstacles)
+  // Primitive and solid stand in a frame O of W's axes.
+  Trimmer(const VoidPrimitive& primitive, const Solid& solid, const Vector3d& p_WO,
+          std::vector<Obstacle> obstacles)
       : primitive_(primitive),
         solid_(solid),
+        p_WO_(p_WO),
         obstacles_(std::move(obstacles)),
         points_(solid.points) {}
 
@@ -519,8 +522,8 @@ class Trimmer {
     return entry->second;
   }
 
-  void AddVertex(const Vector3d& p_W, const Cell& cell, SurfaceMesh& mesh) const {
-    const SweepPoint s = ToSweep(primitive_, p_W);
+  void AddVertex(const Vector3d& p_O, const Cell& cell, SurfaceMesh& mesh) const {
+    const SweepPoint s = ToSweep(primitive_, p_O);
     const Eigen::Matrix3d R_WA = AxisPose(primitive_, s.along_m).linear();
     const double along = std::clamp(s.along_m, 0.0, primitive_.length_m);
     const double radius = primitive_.radius_m;
@@ -548,13 +551,14 @@ class Trimmer {
         }
         break;
     }
-    mesh.positions.emplace_back(p_W.cast<float>());
+    mesh.positions.emplace_back(p_WO_ + p_O);
     mesh.normals.emplace_back((R_WA * normal_A).cast<float>());
     mesh.surface_m.emplace_back(coordinates.cast<float>());
   }
 
   const VoidPrimitive& primitive_;
   const Solid& solid_;
+  const Vector3d p_WO_;
   std::vector<Obstacle> obstacles_;
   PointSet points_;
   std::unordered_map<std::size_t, Loop> on_edge_;              // looked up only
@@ -583,6 +587,12 @@ std::vector<std::vector<std::uint32_t>> Neighbours(const std::vector<Solid>& sol
   return neighbours;
 }
 
+// A point near the first primitive; whole kilometres subtract without rounding.
+Vector3d Origin(std::span<const VoidPrimitive> primitives) {
+  if (primitives.empty()) return Vector3d::Zero();
+  return (primitives[0].X_WS.translation() / 1000.0).array().round() * 1000.0;
+}
+
 }  // namespace
 
 SurfaceMesh Tessellate(std::span<const VoidPrimitive> primitives,
@@ -590,10 +600,14 @@ SurfaceMesh Tessellate(std::span<const VoidPrimitive> primitives,
   if (!(options.tolerance_m > 0.0) || !(options.max_cell_m > 0.0)) {
     throw std::invalid_argument("tessellation tolerance and cell length must be above 0");
   }
+  for (std::size_t i = 0; i < primitives.size(); ++i) Check(primitives[i], i);
+  // Near the origin, so that a map's coordinates of hundreds of kilometres cost no precision.
+  const Vector3d p_WO = Origin(primitives);
+  std::vector<VoidPrimitive> local(primitives.begin(), primitives.end());
   std::vector<Solid> solids;
-  for (std::size_t i = 0; i < primitives.size(); ++i) {
-    Check(primitives[i], i);
-    solids.push_back(MakeSolid(primitives[i], options));
+  for (VoidPrimitive& primitive : local) {
+    primitive.X_WS.translation() -= p_WO;
+    solids.push_back(MakeSolid(primitive, options));
   }
   const std::vector<std::vector<std::uint32_t>> neighbours = Neighbours(solids);
   SurfaceMesh mesh;
@@ -604,7 +618,7 @@ SurfaceMesh Tessellate(std::span<const VoidPrimitive> primitives,
         if (slab.box.intersects(solids[i].box)) obstacles.push_back({&slab, other < i});
       }
     }
-    Trimmer(primitives[i], solids[i], std::move(obstacles)).Run(i, mesh);
+    Trimmer(local[i], solids[i], p_WO, std::move(obstacles)).Run(i, mesh);
   }
   return mesh;
 }

@@ -12,7 +12,7 @@ namespace kantaro::sim {
 
 /// Triangles of the wall, seen from the void: counter-clockwise, normals pointing into the void.
 struct SurfaceMesh {
-  std::vector<Eigen::Vector3f> positions;  ///< p_WV [m]
+  std::vector<Eigen::Vector3d> positions;  ///< p_WV [m]; a map's coordinates outgrow floats
   std::vector<Eigen::Vector3f> normals;    ///< unit, into the void
   /// Texture coordinates [m]. On sides: (chainage, arc length around the profile from the crown,
   /// clockwise looking along the axis); a kU profile counts as if it had a crown, so it continues

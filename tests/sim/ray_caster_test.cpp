@@ -63,7 +63,7 @@ TEST(RayCasterTest, ABatchAnswersAsSingleRaysDo) {
   caster.Cast(rays, 0.4, hits);
   int misses = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    const auto alone = caster.Cast(rays[i].p_WO, rays[i].direction_W, 0.4);
+    const auto alone = caster.Cast(rays[i].p_WR, rays[i].direction_W, 0.4);
     ASSERT_EQ(hits[i].has_value(), alone.has_value());
     if (!alone) {
       ++misses;

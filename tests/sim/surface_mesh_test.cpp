@@ -89,8 +89,7 @@ double Inside(const std::vector<VoidPrimitive>& field, const Vector3d& p_W) {
 
 std::array<Vector3d, 3> Corners(const SurfaceMesh& mesh, std::size_t triangle) {
   const auto& t = mesh.triangles[triangle];
-  return {mesh.positions[t[0]].cast<double>(), mesh.positions[t[1]].cast<double>(),
-          mesh.positions[t[2]].cast<double>()};
+  return {mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]};
 }
 
 double Area(const SurfaceMesh& mesh) {
@@ -139,7 +138,7 @@ void ExpectClosedAndTrue(const std::vector<VoidPrimitive>& field, int rays) {
 // Each edge within a primitive borders one triangle only where the surface ends (at another's), so
 // the edges that border one triangle lie on another primitive's surface.
 void ExpectConforming(const std::vector<VoidPrimitive>& field, const SurfaceMesh& mesh) {
-  using Key = std::array<float, 3>;
+  using Key = std::array<double, 3>;
   std::map<std::tuple<std::uint32_t, Key, Key>, int> uses;
   const auto key = [&](std::uint32_t v) {
     return Key{mesh.positions[v].x(), mesh.positions[v].y(), mesh.positions[v].z()};
@@ -194,7 +193,7 @@ TEST(SurfaceMeshTest, FacesTurnAndNormalsPointIntoTheVoid) {
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const auto [a, b, c] = Corners(mesh, i);
     const Vector3d normal = (b - a).cross(c - a);
-    if (normal.norm() < 1e-7) continue;  // too thin to have a direction in single precision
+    if (normal.norm() < 1e-7) continue;  // too thin to have a direction
     for (const std::uint32_t v : mesh.triangles[i]) {
       ASSERT_NEAR(mesh.normals[v].norm(), 1.0F, 1e-5F);
       if (normal.normalized().dot(mesh.normals[v].cast<double>()) < 0.98) ++mistaken;
@@ -209,7 +208,7 @@ TEST(SurfaceMeshTest, EveryPointOfATeeLiesOnTheBoundaryOfTheUnion) {
   const auto field = Tee();
   const SurfaceMesh mesh = Tessellate(field);
   for (const auto& p : mesh.positions) {
-    EXPECT_NEAR(Inside(field, p.cast<double>()), 0.0, 0.25e-3);
+    EXPECT_NEAR(Inside(field, p), 0.0, 0.25e-3);
   }
 }
 
@@ -289,9 +288,9 @@ TEST(SurfaceMeshTest, TextureCoordinatesMeasureChainageAndArcClockwiseFromTheCro
   bool seen = false;
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
     // Three o'clock, looking along x, is to the right: -y.
-    if (std::abs(mesh.normals[i].x()) > 0.5F || mesh.positions[i].y() > -0.15F) continue;
+    if (std::abs(mesh.normals[i].x()) > 0.5F || mesh.positions[i].y() > -0.15) continue;
     seen = true;
-    EXPECT_NEAR(mesh.surface_m[i].x(), 7.0F + mesh.positions[i].x(), 1e-5F);
+    EXPECT_NEAR(mesh.surface_m[i].x(), 7.0 + mesh.positions[i].x(), 1e-5);
     EXPECT_NEAR(mesh.surface_m[i].y(), 0.15 * pi / 2.0, 1e-5);
   }
   EXPECT_TRUE(seen);
@@ -309,6 +308,16 @@ TEST(SurfaceMeshTest, TextureIsNeverStretched) {
                   (mesh.surface_m[a] - mesh.surface_m[b]).norm(), 0.5e-3);
     }
   }
+}
+
+TEST(SurfaceMeshTest, AMapsCoordinatesCostNoPrecision) {
+  auto field = Manhole();
+  const Vector3d far(512345.25, 5712345.5, 87.125);
+  for (VoidPrimitive& primitive : field) primitive.X_WS.translation() += far;
+  const SurfaceMesh mesh = Tessellate(field);
+  const SurfaceMesh near = Tessellate(Manhole());
+  EXPECT_NEAR(Area(mesh), Area(near), 1e-5);
+  ExpectClosedAndTrue(field, 2000);
 }
 
 TEST(SurfaceMeshTest, TwoCallsAreEqualToTheBit) {
