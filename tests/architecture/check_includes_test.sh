@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# check_includes.sh must see each kind of breach in a made-up checkout, and pass a clean one.
+# check_includes.sh must pass a clean made-up checkout, and see each kind of breach in a broken one.
 set -euo pipefail
 check=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)/check_includes.sh
 checkout=$(mktemp -d)
@@ -9,24 +9,41 @@ mkdir -p "$checkout"/{network,robot,perception,navigation,sim,scenarios,tests/pe
 echo '#include "robot/readings.hpp"' >"$checkout/perception/clean.hpp"
 echo '#include "sim/twin.hpp"' >"$checkout/scenarios/clean.cpp"
 echo '#include <mujoco/mujoco.h>' >"$checkout/sim/clean.cpp"
-bash "$check" "$checkout" >/dev/null || { echo "a clean checkout was refused" >&2; exit 1; }
-
-must_see() {
-  echo "$2" >"$checkout/$1"
-  if bash "$check" "$checkout" >/dev/null; then
-    echo "not seen: $2 in $1" >&2
-    exit 1
-  fi
-  rm "$checkout/$1"
+bash "$check" "$checkout" >/dev/null || {
+  echo "a clean checkout was refused" >&2
+  exit 1
 }
-must_see perception/cheat.cpp '#include "sim/ground_truth.hpp"'
-must_see perception/map.cpp '#include "network/network.hpp"'
-must_see navigation/cheat.hpp '  #  include "sim/twin.hpp"'
-must_see navigation/physics.cpp '#include <mujoco/mujoco.h>'
-must_see robot/map.hpp '#include "network/network.hpp"'
-must_see network/judge.cpp '#include "scenarios/judge.hpp"'
-must_see sim/eyes.cpp '#include "perception/ring_finder.hpp"'
-must_see tests/perception/rays.cpp '#include <embree3/rtcore.h>'
-must_see tests/perception/world.cpp '#include "sim/sewer.hpp"'
-must_see perception/bags.cpp '#include <rosbag/bag.h>'
+
+breaches=(
+  'perception/cheat.cpp        #include "sim/ground_truth.hpp"'
+  'perception/map.cpp          #include "network/network.hpp"'
+  'perception/bags.cpp         #include <rosbag/bag.h>'
+  'navigation/cheat.hpp        #  include "sim/twin.hpp"'
+  'navigation/physics.cpp      #include <mujoco/mujoco.h>'
+  'robot/map.hpp               #include "network/network.hpp"'
+  'network/judge.cpp           #include "scenarios/judge.hpp"'
+  'sim/eyes.cpp                #include "perception/ring_finder.hpp"'
+  'tests/perception/rays.cpp   #include <embree3/rtcore.h>'
+  'tests/perception/world.cpp  #include "sim/sewer.hpp"'
+)
+for breach in "${breaches[@]}"; do
+  read -r file line <<<"$breach"
+  echo "$line" >"$checkout/$file"
+done
+
+seen=$(bash "$check" "$checkout") && {
+  echo "a broken checkout was passed" >&2
+  exit 1
+}
+for breach in "${breaches[@]}"; do
+  read -r file line <<<"$breach"
+  grep -qF "$file:1: $line  <- " <<<"$seen" || {
+    echo "not seen: $line in $file" >&2
+    exit 1
+  }
+done
+if grep -q clean <<<"$seen"; then
+  echo "a clean file was refused" >&2
+  exit 1
+fi
 echo "every kind of breach is seen"
