@@ -157,15 +157,23 @@ double NearestOn(const AxisPiece& piece, const Vector3d& p_W) {
   return (std::clamp(from_middle, -half, half) + half) * radius_m;
 }
 
-ShaftEnd EndAt(const Network& network, const std::string& name) {
+ShaftEnd EndNamed(const Network& network, const std::string& name) {
   const Manhole& manhole = network.ManholeNamed(name);
   return {manhole.p_WM, network.ShaftDiameter(manhole) / 2.0};
 }
 
 }  // namespace
 
+ShaftEnd EndAt(const Network& network, const NetworkIndex& index, std::size_t manhole) {
+  return {network.manholes[manhole].p_WM, index.shaft_diameter_m[manhole] / 2.0};
+}
+
 PipeAxis::PipeAxis(const Network& network, const Pipe& pipe)
-    : PipeAxis(EndAt(network, pipe.upstream), EndAt(network, pipe.downstream), pipe) {}
+    : PipeAxis(EndNamed(network, pipe.upstream), EndNamed(network, pipe.downstream), pipe) {}
+
+PipeAxis::PipeAxis(const Network& network, const NetworkIndex& index, std::size_t pipe)
+    : PipeAxis(EndAt(network, index, index.upstream[pipe]),
+               EndAt(network, index, index.downstream[pipe]), network.pipes[pipe]) {}
 
 PipeAxis::PipeAxis(const ShaftEnd& upstream, const ShaftEnd& downstream, const Pipe& pipe) {
   const std::vector<PlanPiece> plan = MakePlan(upstream, downstream, pipe);

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstddef>
 #include <vector>
 
 #include "network/network.hpp"
+#include "network/network_index.hpp"
 
 namespace kantaro::network {
 
@@ -32,6 +34,9 @@ struct ShaftEnd {
 /// The shortest pipe between two shaft walls [m]: anything less is a fault of the drawing.
 inline constexpr double kShortestPipe_m = 0.1;
 
+[[nodiscard]] ShaftEnd EndAt(const Network& network, const NetworkIndex& index,
+                             std::size_t manhole);
+
 /// The centre line of a pipe between the walls of its two shafts: straight legs joined by arcs,
 /// seen from above tangent to each other and aimed at the manholes' centres. It starts at the
 /// upstream manhole's invert + upstream_offset_m + pipe radius, where the first leg crosses the
@@ -47,7 +52,9 @@ class PipeAxis {
   ///         shafts leave less than kShortestPipe_m, or the pipe is steeper than 45°.
   /// @throws std::out_of_range if the network lacks one of the pipe's manholes.
   PipeAxis(const Network& network, const Pipe& pipe);
-  /// The same from the two ends, without looking them up.
+  /// The same for a whole network, without looking names up again. @param pipe  its position.
+  PipeAxis(const Network& network, const NetworkIndex& index, std::size_t pipe);
+  /// The same from the two ends alone.
   PipeAxis(const ShaftEnd& upstream, const ShaftEnd& downstream, const Pipe& pipe);
 
   [[nodiscard]] double length_m() const { return length_m_; }
