@@ -8,9 +8,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <set>
 #include <string_view>
 
@@ -20,6 +20,7 @@ namespace kantaro::robot {
 namespace {
 
 constexpr std::size_t kLargestUrdf = std::size_t{4} << 20;
+constexpr std::size_t kMostLinks = 1000;
 constexpr int kDeepestNesting = 16;     // URDF needs 6; TinyXML recurses without a limit of its own
 constexpr double kLargestNumber = 1e6;  // beyond it squares and products lose their meaning
 constexpr double kUnitTolerance = 1e-6;
@@ -270,6 +271,71 @@ void CheckText(const SourceText& source) {
   }
 }
 
+/// What a joint's own type asks for.
+void CheckJoint(const TiXmlElement& joint, const std::filesystem::path& file) {
+  const std::string field = fmt::format("joint[{:.60}]", joint.Attribute("name"));
+  const bool fixed = joint.Attribute("type") == std::string_view("fixed");
+  if (fixed == (joint.FirstChildElement("axis") != nullptr)) {
+    throw ErrorAt(file, joint, field,
+                  fixed ? "a fixed joint has no axis" : "a moving joint needs its axis");
+  }
+  const TiXmlElement* limit = joint.FirstChildElement("limit");
+  if ((joint.Attribute("type") == std::string_view("prismatic")) != (limit != nullptr)) {
+    throw ErrorAt(file, joint, field, "a prismatic joint needs its limit, and only that");
+  }
+  if (limit != nullptr && Numbers(limit->Attribute("lower"), 1)->front() >=
+                              Numbers(limit->Attribute("upper"), 1)->front()) {
+    throw ErrorAt(file, *limit, field, "lower must be below upper");
+  }
+}
+
+/// Every link but one hangs on one joint, and all hang on that one in the end.
+void CheckTree(const TiXmlElement& robot, const std::filesystem::path& file) {
+  std::map<std::string, std::string> parents;  // by link; of the root: empty
+  for (auto* link = robot.FirstChildElement("link"); link != nullptr;
+       link = link->NextSiblingElement("link")) {
+    if (!parents.emplace(link->Attribute("name"), "").second) {
+      throw ErrorAt(file, *link, fmt::format("link[{:.60}]", link->Attribute("name")),
+                    "a second link of this name");
+    }
+  }
+  if (parents.empty() || parents.size() > kMostLinks) {
+    throw ErrorAt(file, robot, "robot", fmt::format("1 to {} links are accepted", kMostLinks));
+  }
+  std::set<std::string> joints;
+  for (auto* joint = robot.FirstChildElement("joint"); joint != nullptr;
+       joint = joint->NextSiblingElement("joint")) {
+    const auto error = [&](const std::string& problem) {
+      return ErrorAt(file, *joint, fmt::format("joint[{:.60}]", joint->Attribute("name")), problem);
+    };
+    if (!joints.insert(joint->Attribute("name")).second) throw error("a second joint of this name");
+    CheckJoint(*joint, file);
+    const std::string parent = joint->FirstChildElement("parent")->Attribute("link");
+    const std::string child = joint->FirstChildElement("child")->Attribute("link");
+    for (const std::string& end : {parent, child}) {
+      if (!parents.contains(end)) throw error(fmt::format("there is no link \"{:.60}\"", end));
+    }
+    if (!parents[child].empty()) {
+      throw error(fmt::format("the link \"{:.60}\" hangs on two joints", child));
+    }
+    parents[child] = parent;
+  }
+  if (joints.size() + 1 != parents.size()) {
+    throw ErrorAt(
+        file, robot, "robot",
+        fmt::format("{} links on {} joints are not one tree", parents.size(), joints.size()));
+  }
+  for (const auto& [link, parent] : parents) {
+    std::string above = parent;
+    for (std::size_t steps = 0; !above.empty(); above = parents[above]) {
+      if (++steps > parents.size()) {
+        throw ErrorAt(file, robot, "robot",
+                      fmt::format("the link \"{:.60}\" hangs on a ring", link));
+      }
+    }
+  }
+}
+
 void CheckXml(const SourceText& urdf) {
   CheckText(urdf);
   TiXmlDocument document;
@@ -279,53 +345,12 @@ void CheckXml(const SourceText& urdf) {
     throw InputError(urdf.file, row > 0 ? std::optional<int>(row) : std::nullopt, "",
                      fmt::format("not valid XML: {}", document.ErrorDesc()));
   }
-  const TiXmlElement* root = document.RootElement();
-  if (root == nullptr || root->ValueStr() != "robot" || root->NextSiblingElement() != nullptr) {
+  const TiXmlElement* robot = document.RootElement();
+  if (robot == nullptr || robot->ValueStr() != "robot" || robot->NextSiblingElement() != nullptr) {
     throw InputError(urdf.file, 1, "robot", "a URDF is one element \"robot\"");
   }
-  CheckElement(*root, RuleNamed("robot"), "", urdf.file);
-
-  std::set<std::string> links, joints, children;
-  for (auto* link = root->FirstChildElement("link"); link;
-       link = link->NextSiblingElement("link")) {
-    if (!links.insert(link->Attribute("name")).second) {
-      throw ErrorAt(urdf.file, *link, link->Attribute("name"), "a second link of this name");
-    }
-  }
-  for (auto* joint = root->FirstChildElement("joint"); joint;
-       joint = joint->NextSiblingElement("joint")) {
-    const std::string name = joint->Attribute("name");
-    const auto error = [&](const std::string& problem) {
-      return ErrorAt(urdf.file, *joint, "joint[" + name + "]", problem);
-    };
-    if (!joints.insert(name).second) throw error("a second joint of this name");
-    const std::string parent = joint->FirstChildElement("parent")->Attribute("link");
-    const std::string child = joint->FirstChildElement("child")->Attribute("link");
-    for (const std::string& end : {parent, child}) {
-      if (!links.contains(end)) throw error(fmt::format("there is no link \"{:.60}\"", end));
-    }
-    if (!children.insert(child).second) {
-      throw error(fmt::format("the link \"{:.60}\" hangs on two joints", child));
-    }
-    const std::string type = joint->Attribute("type");
-    if ((type == "fixed") == (joint->FirstChildElement("axis") != nullptr)) {
-      throw error(type == "fixed" ? "a fixed joint has no axis" : "a moving joint needs its axis");
-    }
-    const TiXmlElement* limit = joint->FirstChildElement("limit");
-    if ((type == "prismatic") != (limit != nullptr)) {
-      throw error("a prismatic joint needs its limit, and only that");
-    }
-    if (limit != nullptr && Numbers(limit->Attribute("lower"), 1)->front() >=
-                                Numbers(limit->Attribute("upper"), 1)->front()) {
-      throw error("lower must be below upper");
-    }
-  }
-  if (links.empty()) throw ErrorAt(urdf.file, *root, "robot", "there are no links");
-  if (children.size() + 1 != links.size()) {
-    throw ErrorAt(urdf.file, *root, "robot",
-                  fmt::format("{} links of {} hang on no joint; the links must form one tree",
-                              links.size() - children.size(), links.size()));
-  }
+  CheckElement(*robot, RuleNamed("robot"), "", urdf.file);
+  CheckTree(*robot, urdf.file);
 }
 
 Eigen::Vector3d ToEigen(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
@@ -414,10 +439,6 @@ UrdfBody ParseUrdf(const SourceText& urdf) {
     if (link->parent_joint != nullptr) body.joints.push_back(ToJoint(*link->parent_joint));
     body.links.push_back(ToLink(*link, urdf.file));
     open.insert(open.end(), link->child_links.rbegin(), link->child_links.rend());
-  }
-  if (body.links.size() != model->links_.size()) {
-    throw InputError(urdf.file, {}, "robot",
-                     "the joints form a ring; the links must form one tree");
   }
   return body;
 }
