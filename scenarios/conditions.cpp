@@ -36,9 +36,10 @@ Conditions DrawConditions(const Scenario& scenario, std::uint64_t seed) {
   conditions.texture =
       RandomStream(texture_seed, "variation.texture").Index(std::uint64_t{1} << 32);
   conditions.light = Draw(seed, "light", variation.light.low, variation.light.high);
+  conditions.motor_mismatch = DrawEitherWay(seed, "motor_mismatch", variation.motor_mismatch);
   for (const network::Pipe& pipe : network.pipes) {
-    conditions.map_scale.emplace_back(
-        pipe.name, 1.0 + DrawEitherWay(seed, "map_error." + pipe.name, variation.map_error));
+    conditions.map_scale[pipe.name] =
+        1.0 + DrawEitherWay(seed, "map_error." + pipe.name, variation.map_error);
   }
   return conditions;
 }

@@ -1,10 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "scenarios/scenario.hpp"
 
@@ -20,7 +19,8 @@ struct Conditions {
   std::uint64_t texture{};         ///< seed of the wall's look
   double light{1.0};               ///< brightness of the robot's lights against their nominal
   /// The robot's map: for each pipe of the network, by name, mapped length / true length.
-  std::vector<std::pair<std::string, double>> map_scale;
+  std::map<std::string, double> map_scale;
+  double motor_mismatch{};  ///< left motors turn this share faster than told, right ones slower
 };
 
 [[nodiscard]] Conditions DrawConditions(const Scenario& scenario, std::uint64_t seed);

@@ -50,8 +50,8 @@ void ReadIfGiven(const YamlNode& map, std::string_view key, Value& value, const 
 }
 
 Variation ParseVariation(const YamlNode& node) {
-  node.AllowOnly(
-      {"start_offset_mm", "start_yaw_deg", "friction", "map_error_percent", "texture", "light"});
+  node.AllowOnly({"start_offset_mm", "start_yaw_deg", "friction", "motor_mismatch_percent",
+                  "map_error_percent", "texture", "light"});
   Variation variation;
   ReadIfGiven(node, "start_offset_mm", variation.start_offset_m,
               [](const YamlNode& n) { return n.Number(0.0, 10000.0) / 1000.0; });
@@ -59,6 +59,8 @@ Variation ParseVariation(const YamlNode& node) {
               [](const YamlNode& n) { return n.Number(0.0, 45.0) * kDegree; });
   ReadIfGiven(node, "friction", variation.friction,
               [](const YamlNode& n) { return ParseInterval(n, 0.01, 2.0); });
+  ReadIfGiven(node, "motor_mismatch_percent", variation.motor_mismatch,
+              [](const YamlNode& n) { return n.Number(0.0, 20.0) / 100.0; });
   ReadIfGiven(node, "map_error_percent", variation.map_error,
               [](const YamlNode& n) { return n.Number(0.0, 50.0) / 100.0; });
   ReadIfGiven(node, "texture", variation.texture, [](const YamlNode& n) { return n.Boolean(); });

@@ -38,6 +38,8 @@ struct Variation {
   double start_offset_m{};           ///< the start moves along the pipe by up to this, either way
   double start_yaw_rad{};            ///< and turns by up to this, either way
   std::optional<Interval> friction;  ///< between tyre and wall; absent: the wall material's own
+  double motor_mismatch{};   ///< left motors run faster and right ones slower by up to this share,
+                             ///< or the reverse
   double map_error{};        ///< the map's pipe lengths are off by up to this share, either way
   bool texture{false};       ///< every seed has its own wall texture
   Interval light{1.0, 1.0};  ///< brightness of the robot's lights against their nominal

@@ -1,0 +1,159 @@
+#include "scenarios/scenario.hpp"
+
+#include <gmock/gmock.h>
+
+#include <numbers>
+
+#include "base/input_error.hpp"
+#include "scenarios/conditions.hpp"
+#include "tests/scenarios/synthetic_mission.hpp"
+
+namespace kantaro::scenarios {
+namespace {
+
+constexpr char kTee[] = R"(name: tee
+network: tee_network.yaml
+start: {manhole: S, pipe: S-M1, chainage_m: 0.6}
+goal: {manhole: B}
+time_limit_s: 200
+variation: {start_offset_mm: 200, start_yaw_deg: 3, friction: [0.4, 0.8], map_error_percent: 5, texture: true, light: [0.7, 1.0]}
+limits: {speed_m_s: 0.15, position_error_m: 0.4}
+)";
+
+Scenario Parse(const std::string& text) {
+  return ParseScenario(text, "folder/tee.yaml",
+                       [](const std::filesystem::path&) { return TeeNetwork(); });
+}
+
+std::string Refusal(const std::string& text) {
+  try {
+    static_cast<void>(Parse(text));
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+std::string Replaced(std::string text, const std::string& what, const std::string& with) {
+  return text.replace(text.find(what), what.size(), with);
+}
+
+std::vector<std::string> PipesOf(const std::vector<network::RouteLeg>& route) {
+  std::vector<std::string> pipes;
+  for (const network::RouteLeg& leg : route)
+    pipes.push_back((leg.downstream ? "" : "-") + leg.pipe);
+  return pipes;
+}
+
+TEST(Scenario, IsReadInTheUnitsOfTheCode) {
+  const Scenario scenario = Parse(kTee);
+  EXPECT_EQ(scenario.network_file, "folder/tee_network.yaml");
+  EXPECT_EQ(scenario.start.chainage_m, 0.6);
+  EXPECT_DOUBLE_EQ(scenario.variation.start_offset_m, 0.2);
+  EXPECT_DOUBLE_EQ(scenario.variation.start_yaw_rad, 3.0 * std::numbers::pi / 180.0);
+  EXPECT_DOUBLE_EQ(scenario.variation.map_error, 0.05);
+  EXPECT_EQ(scenario.limits.position_error_m, 0.4);
+}
+
+TEST(Scenario, StartsHalfAMetreIntoTheOnlyPipeByDefault) {
+  const Scenario scenario = Parse(
+      "name: tee\nnetwork: n.yaml\nstart: {manhole: E}\ngoal: {manhole: S}\ntime_limit_s: 9\n");
+  EXPECT_EQ(scenario.start.pipe, "M2-E");
+  EXPECT_NEAR(scenario.start.chainage_m, 3.2 - 0.5, 1e-9);
+}
+
+TEST(Scenario, NamesFileLineAndFieldOfWhatIsWrong) {
+  EXPECT_EQ(Refusal(Replaced(kTee, "time_limit_s: 200", "time_limit_s: soon")),
+            "folder/tee.yaml:5: time_limit_s: \"soon\" is not a number");
+  EXPECT_EQ(Refusal(Replaced(kTee, "manhole: B", "manhole: X")),
+            "folder/tee.yaml:4: goal.manhole: the network has no manhole \"X\"");
+  EXPECT_THAT(Refusal(Replaced(kTee, "texture: true", "colour: true")),
+              testing::StartsWith("folder/tee.yaml:6: variation.colour: unknown key"));
+  EXPECT_THAT(Refusal(Replaced(kTee, "[0.4, 0.8]", "[0.8, 0.4]")),
+              testing::HasSubstr("the low end comes first"));
+  EXPECT_THAT(Refusal(Replaced(kTee, "name: tee", "name: ../tee")),
+              testing::HasSubstr("also names folders"));
+  EXPECT_THAT(Refusal(Replaced(kTee, "chainage_m: 0.6", "chainage_m: 3.3")),
+              testing::HasSubstr("outside 0 to 3.2"));
+  EXPECT_THAT(Refusal(std::string(kTee) + "blind: [smell]\n"),
+              testing::HasSubstr("\"smell\" is no sense"));
+}
+
+TEST(Scenario, RefusesAPipeThatDoesNotBeginAtTheStart) {
+  EXPECT_THAT(Refusal(Replaced(kTee, "pipe: S-M1, chainage_m: 0.6", "pipe: M2-E")),
+              testing::HasSubstr("not through the start manhole"));
+}
+
+TEST(Scenario, RefusesAGoalThatNoEnterablePipeLeadsTo) {
+  const auto narrow_branch = [](const std::filesystem::path&) {
+    network::Network network = TeeNetwork();
+    network.pipes[3].diameter_m = 0.150;
+    return network;
+  };
+  try {
+    static_cast<void>(ParseScenario(kTee, "tee.yaml", narrow_branch));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "tee.yaml:4: goal: no way leads there through pipes that KANTARO can enter");
+  }
+}
+
+TEST(PlannedRoute, BeginsWithTheStartPipeAndKnowsItsDirections) {
+  const Scenario scenario = TeeScenario();
+  EXPECT_THAT(PipesOf(PlannedRoute(scenario.network, scenario.start, scenario.goal, {})),
+              testing::ElementsAre("S-M1", "M1-M2", "-B-M2"));
+}
+
+TEST(PlannedRoute, PassesTheManholesInBetween) {
+  const Scenario scenario = TeeScenario();
+  EXPECT_THAT(PipesOf(PlannedRoute(scenario.network, scenario.start, scenario.goal, {"E"})),
+              testing::ElementsAre("S-M1", "M1-M2", "M2-E", "-M2-E", "-B-M2"));
+}
+
+TEST(PlannedRoute, EndsInThePipeOfItsGoal) {
+  const Scenario scenario = TeeScenario();
+  EXPECT_THAT(PipesOf(PlannedRoute(scenario.network, scenario.start, {"", "M2-E", 1.0}, {})),
+              testing::ElementsAre("S-M1", "M1-M2", "M2-E"));
+  EXPECT_THAT(PipesOf(PlannedRoute(scenario.network, scenario.start, {"", "S-M1", 2.0}, {})),
+              testing::ElementsAre("S-M1"));
+}
+
+TEST(Conditions, RepeatForASeedAndDifferBetweenSeeds) {
+  const Scenario scenario = Parse(kTee);
+  EXPECT_EQ(DrawConditions(scenario, 7).friction, DrawConditions(scenario, 7).friction);
+  EXPECT_NE(DrawConditions(scenario, 7).friction, DrawConditions(scenario, 8).friction);
+  EXPECT_NE(DrawConditions(scenario, 7).texture, DrawConditions(scenario, 8).texture);
+}
+
+TEST(Conditions, StayWithinWhatTheScenarioAllows) {
+  const Scenario scenario = Parse(kTee);
+  bool map_too_long = false, map_too_short = false;
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    const Conditions conditions = DrawConditions(scenario, seed);
+    EXPECT_NEAR(conditions.start_chainage_m, 0.6, 0.2);
+    EXPECT_LE(std::abs(conditions.start_yaw_rad), scenario.variation.start_yaw_rad);
+    EXPECT_GE(conditions.friction, 0.4);
+    EXPECT_LE(conditions.friction, 0.8);
+    ASSERT_EQ(conditions.map_scale.size(), 4u);
+    for (const auto& [pipe, scale] : conditions.map_scale) {
+      EXPECT_NEAR(scale, 1.0, 0.05);
+      map_too_long |= scale > 1.02;
+      map_too_short |= scale < 0.98;
+    }
+  }
+  EXPECT_TRUE(map_too_long && map_too_short);
+}
+
+TEST(Conditions, ChangeNothingByDefault) {
+  const Scenario scenario = TeeScenario();
+  const Conditions conditions = DrawConditions(scenario, 3);
+  EXPECT_EQ(conditions.start_chainage_m, 0.5);
+  EXPECT_EQ(conditions.start_yaw_rad, 0.0);
+  EXPECT_FALSE(conditions.friction.has_value());
+  EXPECT_EQ(conditions.texture, DrawConditions(scenario, 4).texture);
+  EXPECT_EQ(conditions.light, 1.0);
+}
+
+}  // namespace
+}  // namespace kantaro::scenarios
