@@ -12,6 +12,8 @@
 namespace kantaro::sim {
 namespace {
 
+constexpr double kAside_rad = 1e-6;
+
 void Check(RTCDevice device, const char* doing) {
   const RTCError error = rtcGetDeviceError(device);
   if (error == RTC_ERROR_NONE) return;
@@ -96,6 +98,35 @@ struct RayCaster::Scene {
     rtcCommitScene(scene);
     Check(device, "building the search tree");
   }
+
+  [[nodiscard]] std::optional<RayHit> Trace(const Eigen::Vector3d& p_WR,
+                                            const Eigen::Vector3d& direction_W,
+                                            double max_range_m) const {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    const Eigen::Vector3f origin = (p_WR - p_WO).cast<float>();
+    const Eigen::Vector3f direction = direction_W.cast<float>();
+    RTCRayHit query{};
+    query.ray.org_x = origin.x();
+    query.ray.org_y = origin.y();
+    query.ray.org_z = origin.z();
+    query.ray.dir_x = direction.x();
+    query.ray.dir_y = direction.y();
+    query.ray.dir_z = direction.z();
+    query.ray.tfar = static_cast<float>(max_range_m);
+    query.ray.mask = 0xFFFFFFFFU;
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(scene, &context, &query);
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+
+    const std::array<std::uint32_t, 3>& corner = triangles[query.hit.primID];
+    const Eigen::Vector3f normal = (1.0F - query.hit.u - query.hit.v) * normals[corner[0]] +
+                                   query.hit.u * normals[corner[1]] +
+                                   query.hit.v * normals[corner[2]];
+    return RayHit{static_cast<double>(query.ray.tfar), normal.cast<double>().normalized(),
+                  owner[query.hit.primID]};
+  }
 };
 
 RayCaster::RayCaster(const SurfaceMesh& mesh) : scene_(std::make_unique<Scene>(mesh)) {}
@@ -106,30 +137,13 @@ RayCaster& RayCaster::operator=(RayCaster&&) noexcept = default;
 std::optional<RayHit> RayCaster::Cast(const Eigen::Vector3d& p_WR,
                                       const Eigen::Vector3d& direction_W,
                                       double max_range_m) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  const Eigen::Vector3f origin = (p_WR - scene_->p_WO).cast<float>();
-  const Eigen::Vector3f direction = direction_W.cast<float>();
-  RTCRayHit query{};
-  query.ray.org_x = origin.x();
-  query.ray.org_y = origin.y();
-  query.ray.org_z = origin.z();
-  query.ray.dir_x = direction.x();
-  query.ray.dir_y = direction.y();
-  query.ray.dir_z = direction.z();
-  query.ray.tfar = static_cast<float>(max_range_m);
-  query.ray.mask = 0xFFFFFFFFU;
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(scene_->scene, &context, &query);
-  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-
-  const std::array<std::uint32_t, 3>& corner = scene_->triangles[query.hit.primID];
-  const Eigen::Vector3f normal = (1.0F - query.hit.u - query.hit.v) * scene_->normals[corner[0]] +
-                                 query.hit.u * scene_->normals[corner[1]] +
-                                 query.hit.v * scene_->normals[corner[2]];
-  return RayHit{static_cast<double>(query.ray.tfar), normal.cast<double>().normalized(),
-                scene_->owner[query.hit.primID]};
+  const std::optional<RayHit> hit = scene_->Trace(p_WR, direction_W, max_range_m);
+  if (hit && hit->normal_W.dot(direction_W) <= 0.0) return hit;
+  // Nothing there, or a wall's back. Embree lets a ray through that meets a vertex exactly
+  // (its issues 174 and 181): a ray a micron beside it is not let through.
+  const Eigen::Vector3d aside = direction_W.unitOrthogonal() * kAside_rad;
+  const std::optional<RayHit> again = scene_->Trace(p_WR, direction_W + aside, max_range_m);
+  return again && (!hit || again->range_m < hit->range_m) ? again : hit;
 }
 
 void RayCaster::Cast(std::span<const Ray> rays, double max_range_m,

@@ -45,6 +45,24 @@ TEST(RayCasterTest, SeesNothingBeyondItsRange) {
   EXPECT_TRUE(caster.Cast({1.0, 0.0, 0.0}, Vector3d::UnitX(), 3.01));
 }
 
+TEST(RayCasterTest, NoRaySlipsBetweenTrianglesThatShareAnEdge) {
+  const SurfaceMesh mesh = Tessellate(Pipe());
+  const RayCaster caster(mesh);
+  const Vector3d p_W(1.234, 0.012, -0.034);
+  for (const auto& triangle : mesh.triangles) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vector3d& a = mesh.positions[triangle[i]];
+      const Vector3d& b = mesh.positions[triangle[(i + 1) % 3]];
+      for (const double share : {0.0, 0.1, 0.37, 0.5, 0.82}) {
+        const Vector3d aim = a + share * (b - a) - p_W;
+        const auto hit = caster.Cast(p_W, aim.normalized(), 9.0);
+        ASSERT_TRUE(hit);
+        ASSERT_NEAR(hit->range_m, aim.norm(), 1e-4);
+      }
+    }
+  }
+}
+
 TEST(RayCasterTest, HitsTheWallFromTheGroundToo) {
   const RayCaster caster(Tessellate(Pipe()));
   const auto hit = caster.Cast({1.0, 0.0, 1.0}, -Vector3d::UnitZ(), 9.0);

@@ -252,6 +252,14 @@ TEST(SurfaceMeshTest, PipesThatMeetEndToEndLeaveNoMembraneAndNoSplinters) {
   EXPECT_NEAR(hit->range_m, 0.8 + std::hypot(0.5, 0.1, 0.01), 1e-5);
 }
 
+TEST(SurfaceMeshTest, AWallOfMicrometresBetweenTwoCapsIsNoWall) {
+  const auto field = std::vector{Tube({0, 0, 0}, {1, 0, 0}, 0.8, 0.15),
+                                 Tube({-5e-6, 0, 0}, {-1, 0, 0}, 0.8, 0.15)};
+  const auto hit = RayCaster(Tessellate(field)).Cast({-0.5, 0.01, 0.02}, Vector3d::UnitX(), 5);
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR(hit->range_m, 1.3, 1e-5);
+}
+
 TEST(SurfaceMeshTest, OfCoincidentSurfacesOneStays) {
   // The same channel three times, the last two only in part.
   const auto once = Tessellate(std::vector{Channel({0, 0, 0}, {1, 0, 0}, 1.0, 0.15, 0.2)});
