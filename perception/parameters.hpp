@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+
+#include "perception/fault_detector.hpp"
+#include "perception/ir_landmarks.hpp"
+#include "perception/laser_landmarks.hpp"
+#include "perception/ring_finder.hpp"
+
+namespace kantaro::perception {
+
+/// Every threshold of this room. The members' defaults serve tests; twin and robot alike read the
+/// file.
+struct Parameters {
+  LaserParameters laser;
+  IrParameters ir;
+  RingParameters rings;
+  FaultParameters faults;
+};
+
+/// Reads `perception.yaml`. Every key must be there and no other.
+/// @throws InputError
+[[nodiscard]] Parameters ReadParameters(const std::filesystem::path& file);
+
+}  // namespace kantaro::perception

@@ -1,0 +1,97 @@
+#include "perception/perception.hpp"
+
+#include <cmath>
+#include <stdexcept>
+#include <type_traits>
+
+#include "perception/brightness.hpp"
+#include "perception/fault_detector.hpp"
+#include "perception/ring_finder.hpp"
+
+namespace kantaro::perception {
+namespace {
+
+/// The pipe's centre in the image near this radius: that of the ring of the nearest radius, else
+/// the principal point. A robot that is turned by 2° in the pipe moves the centre by 20 px.
+cv::Point2d PipeCenter(const std::vector<RingSighting>& rings, const robot::Camera& camera,
+                       double radius_px) {
+  cv::Point2d center(camera.center_x_px, camera.center_y_px);
+  double least_px = HUGE_VAL;
+  for (const RingSighting& ring : rings) {
+    const double apart_px = std::abs(ring.radius_px - radius_px);
+    if (apart_px >= least_px) continue;
+    least_px = apart_px;
+    center = {ring.center_x_px, ring.center_y_px};
+  }
+  return center;
+}
+
+}  // namespace
+
+Perception::Perception(robot::Description description, Parameters parameters)
+    : camera_(description.front_camera),
+      parameters_(parameters),
+      odometry_(description),
+      laser_(parameters.laser.revolutions),
+      ir_(parameters.ir) {}
+
+void Perception::SetPipeDiameter(double diameter_m) {
+  if (!(diameter_m > 0 && std::isfinite(diameter_m))) {
+    throw std::invalid_argument("the pipe's diameter must be above 0");
+  }
+  pipe_diameter_m_ = diameter_m;
+}
+
+std::vector<Observation> Perception::Process(const robot::Reading& reading) {
+  const robot::RunTime at = reading.captured_at;
+  return std::visit(
+      [&](const auto& value) -> std::vector<Observation> {
+        using Value = std::decay_t<decltype(value)>;
+        if constexpr (std::is_same_v<Value, robot::FrontImage>) {
+          return Look(value, at);
+        } else if constexpr (std::is_same_v<Value, robot::LaserRevolution>) {
+          return Scan(value, at);
+        } else if constexpr (std::is_same_v<Value, robot::IrRanges>) {
+          return {ir_.Update(value, at)};
+        } else if constexpr (std::is_same_v<Value, robot::WheelEncoders>) {
+          return {odometry_.Travel(value, at)};
+        } else if constexpr (std::is_same_v<Value, robot::InertialReading>) {
+          return {TurnRate(value, at)};
+        } else {
+          static_assert(std::is_same_v<Value, robot::StereoPair>);
+          return {};
+        }
+      },
+      reading.value);
+}
+
+std::vector<Observation> Perception::Look(const robot::FrontImage& front,
+                                          robot::RunTime captured_at) const {
+  const cv::Mat brightness = Brightness(front.image);
+  if (brightness.size() != cv::Size(camera_.width_px, camera_.height_px)) {
+    throw std::invalid_argument("the front image has not the front camera's size");
+  }
+  if (!pipe_diameter_m_) return {};
+
+  RingObservation rings{captured_at,
+                        FindRings(brightness, camera_, *pipe_diameter_m_ / 2, parameters_.rings)};
+  FaultObservation faults{captured_at, {}};
+  const double scale = camera_.focal_px * *pipe_diameter_m_ / 2;
+  const double middle_px =
+      (scale / parameters_.faults.near_m + scale / parameters_.faults.far_m) / 2;
+  const Ring ring = FaultRing(camera_, *pipe_diameter_m_,
+                              PipeCenter(rings.rings, camera_, middle_px), parameters_.faults);
+  faults.candidates = FindFaults(brightness, ring, camera_.focal_px, *pipe_diameter_m_, rings.rings,
+                                 parameters_.faults);
+  return {std::move(rings), std::move(faults)};
+}
+
+std::vector<Observation> Perception::Scan(const robot::LaserRevolution& revolution,
+                                          robot::RunTime captured_at) {
+  auto observation = ReadWindows(revolution, captured_at, parameters_.laser);
+  if (!observation) return {};
+  observation->edges = laser_.Update(*observation);
+  return {*std::move(observation)};
+}
+
+}  // namespace kantaro::perception

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "perception/ir_landmarks.hpp"
+#include "perception/laser_landmarks.hpp"
+#include "perception/observations.hpp"
+#include "perception/odometry.hpp"
+#include "perception/parameters.hpp"
+#include "robot/description.hpp"
+#include "robot/readings.hpp"
+
+namespace kantaro::perception {
+
+/// Turns readings into observations. State is the debouncing of laser and IR, and the pipe's
+/// diameter.
+class Perception {
+ public:
+  /// @throws std::invalid_argument if the description lacks what odometry needs.
+  Perception(robot::Description description, Parameters parameters);
+
+  /// Inner diameter of the pipe that the robot is believed to be in: the scale of all that the
+  /// camera says.
+  /// @throws std::invalid_argument unless above 0.
+  void SetPipeDiameter(double diameter_m);
+
+  /// One reading, in the order of arrival. Gives
+  /// - FrontImage: a RingObservation and a FaultObservation, empty if nothing is seen; nothing
+  /// before
+  ///   SetPipeDiameter, for a circle has no distance then;
+  /// - LaserRevolution: a LaserObservation with the edges it settled; nothing if a window holds no
+  /// sample;
+  /// - IrRanges: an IrObservation; WheelEncoders: an OdometryObservation; InertialReading: a
+  /// TurnRateObservation;
+  /// - StereoPair: nothing. Localisation here is by the front camera (thesis chapter 4), not by
+  /// stereo (chapter 5).
+  /// @throws std::invalid_argument for a front image of another type or size than the camera's, or
+  /// a number that
+  ///         is not finite.
+  [[nodiscard]] std::vector<Observation> Process(const robot::Reading& reading);
+
+ private:
+  [[nodiscard]] std::vector<Observation> Look(const robot::FrontImage& front,
+                                              robot::RunTime captured_at) const;
+  [[nodiscard]] std::vector<Observation> Scan(const robot::LaserRevolution& revolution,
+                                              robot::RunTime captured_at);
+
+  robot::Camera camera_;
+  Parameters parameters_;
+  Odometry odometry_;
+  LaserTracker laser_;
+  IrLandmarks ir_;
+  std::optional<double> pipe_diameter_m_;
+};
+
+}  // namespace kantaro::perception

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "perception/observations.hpp"
+#include "robot/description.hpp"
+
+namespace kantaro::perception {
+
+/// How rings ahead are found. Contrasts are differences of log brightness: 0.1 is ten per cent.
+struct RingParameters {
+  double near_m{0.30}, far_m{1.60};  ///< rings are looked for between these distances
+  int center_search_px{28};  ///< how far a ring's centre may lie from the principal point, per axis
+  double groove_m{0.008};    ///< width of a joint, for the scale of its line in the image
+  double joint_contrast{0.05};    ///< least mean contrast of the line all round
+  double mouth_contrast{0.10};    ///< least mean contrast of the step in the upper sector
+  double support_contrast{0.03};  ///< a direction with more than this lies on the ring
+  double min_support{0.6};        ///< least share of directions on the ring
+  double mouth_step_ratio{
+      1.5};  ///< a mouth's step exceeds this many times the contrast of its line
+};
+
+/// Finds joints and manhole mouths ahead (thesis 4.3: the circle's radius gives the distance).
+///
+/// A circle Hough transform on a polar picture of log brightness about the principal point: each
+/// pixel votes with its signed contrast, across a thin line (joint) or a step (mouth), for the
+/// circles through it whose centre lies within center_search_px. Log brightness is brightness
+/// divided by its scale, so near and far wall count alike; signed votes let texture cancel and a
+/// faint ring add up, which single Canny edges do not. Maxima along the radius that no stronger one
+/// is near are refined to a fraction of a pixel and judged. A joint is a thin line all round, dark
+/// or bright; a mouth is a step in the upper sector, where the crown ends.
+///
+/// distance = focal length * pipe_radius_m / radius. The radius alone cannot tell a 250 mm ring
+/// from a 300 mm one, so pipe_radius_m must come from the laser or the map.
+///
+/// @param brightness  8-bit, one channel, of the camera's size.
+/// @returns rings, nearest first; none in a black image.
+/// @throws std::invalid_argument for another type or size, or a radius that is not above 0.
+[[nodiscard]] std::vector<RingSighting> FindRings(const cv::Mat& brightness,
+                                                  const robot::Camera& camera, double pipe_radius_m,
+                                                  const RingParameters& parameters);
+
+}  // namespace kantaro::perception

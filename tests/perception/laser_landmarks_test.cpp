@@ -1,0 +1,215 @@
+#include "perception/laser_landmarks.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+namespace kantaro::perception {
+namespace {
+
+using robot::RangeStatus;
+using std::numbers::pi;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Where a wall is: range by angle, 0 right, counterclockwise.
+struct Walls {
+  double pipe_radius_m{0.150};
+  double height_m{};            ///< of the laser over the pipe's axis
+  double roll_rad{};            ///< of the robot
+  bool top{}, left{}, right{};  ///< opened to a shaft of 0.4 m, or an inlet without end
+};
+
+double DistanceToWall(const Walls& walls, double angle_rad) {
+  const double a = angle_rad + walls.roll_rad;
+  // Solves |(0, h) + t (cos a, sin a)| = R.
+  const double b = walls.height_m * std::sin(a);
+  const double pipe_m = -b + std::sqrt(b * b + walls.pipe_radius_m * walls.pipe_radius_m -
+                                       walls.height_m * walls.height_m);
+  const double x = pipe_m * std::cos(a), y = walls.height_m + pipe_m * std::sin(a);
+  const auto within = [](double p, double half) { return std::abs(p) < half; };
+  if (walls.top && y > 0 && within(x, 0.06)) return 1.5;
+  if (walls.left && x < 0 && within(y, 0.05)) return kInfinity;
+  if (walls.right && x > 0 && within(y, 0.05)) return kInfinity;
+  return pipe_m;
+}
+
+/// A noiseless revolution of 336 beams over 70 to 190 mm, from the first angle on.
+robot::LaserRevolution Scan(const Walls& walls, double first_rad = 0.001) {
+  robot::LaserRevolution revolution;
+  for (int i = 0; i < 336; ++i) {
+    robot::LaserSample sample;
+    sample.angle_rad = std::fmod(first_rad + 2 * pi * i / 336, 2 * pi);
+    const double range_m = DistanceToWall(walls, sample.angle_rad);
+    sample.range_m = std::clamp(range_m, 0.070, 0.190);
+    sample.status = range_m < 0.070   ? RangeStatus::kTooNear
+                    : range_m > 0.190 ? RangeStatus::kTooFar
+                                      : RangeStatus::kValid;
+    revolution.samples.push_back(sample);
+  }
+  return revolution;
+}
+
+LaserObservation Read(const Walls& walls) {
+  const auto observation = ReadWindows(Scan(walls), std::chrono::seconds(7), {});
+  EXPECT_TRUE(observation.has_value());
+  return observation.value_or(LaserObservation{});
+}
+
+TEST(LaserLandmarks, SeeNoLandmarkInAPlainPipe) {
+  const LaserObservation seen = Read({});
+  EXPECT_EQ(seen.status, LaserStatus::kNoLandmark);
+  EXPECT_FALSE(seen.top_open || seen.left_open || seen.right_open);
+  EXPECT_NEAR(seen.top_m, 0.150, 1e-9);
+  EXPECT_NEAR(seen.left_m, 0.150, 1e-9);
+  EXPECT_NEAR(seen.right_m, 0.150, 1e-9);
+  EXPECT_EQ(seen.captured_at, std::chrono::seconds(7));
+}
+
+TEST(LaserLandmarks, FollowTable53) {
+  EXPECT_EQ(Read({.top = true}).status, LaserStatus::kManhole);
+  EXPECT_EQ(Read({.left = true}).status, LaserStatus::kInletLeft);
+  EXPECT_EQ(Read({.right = true}).status, LaserStatus::kInletRight);
+  EXPECT_EQ(Read({.top = true, .left = true}).status, LaserStatus::kManholeWithJunction);
+  EXPECT_EQ(Read({.top = true, .right = true}).status, LaserStatus::kManholeWithJunction);
+  EXPECT_EQ(Read({.top = true, .left = true, .right = true}).status, LaserStatus::kOutsideThePipe);
+}
+
+TEST(LaserLandmarks, ReadTwoOpenSidesUnderACrownAsTheWiderInlet) {
+  EXPECT_EQ(ClassifyWindows(false, true, true, 0.180, 0.185), LaserStatus::kInletRight);
+  EXPECT_EQ(ClassifyWindows(false, true, true, 0.185, 0.180), LaserStatus::kInletLeft);
+  EXPECT_EQ(ClassifyWindows(false, true, true, 0.190, 0.190), LaserStatus::kInletLeft);
+}
+
+TEST(LaserLandmarks, ReportTheFarLimitWhereNothingReturned) {
+  EXPECT_DOUBLE_EQ(Read({.top = true}).top_m, 0.190);
+}
+
+TEST(LaserLandmarks, AreTheSameWithTheRobotRolledThreeDegrees) {
+  const double roll_rad = 3 * pi / 180;
+  EXPECT_EQ(Read({.roll_rad = roll_rad}).status, LaserStatus::kNoLandmark);
+  EXPECT_EQ(Read({.roll_rad = -roll_rad, .top = true}).status, LaserStatus::kManhole);
+  EXPECT_EQ(Read({.roll_rad = roll_rad, .left = true}).status, LaserStatus::kInletLeft);
+}
+
+// 20 mm above the axis of a 300 mm pipe: 130 mm to the crown, √(150² − 20²) = 148.7 mm to the
+// sides.
+TEST(LaserLandmarks, MeasureFromTheLasersOwnHeight) {
+  const LaserObservation seen = Read({.height_m = 0.020});
+  EXPECT_NEAR(seen.top_m, 0.130, 0.0002);
+  EXPECT_NEAR(seen.right_m, 0.1487, 0.0002);
+}
+
+TEST(LaserLandmarks, CollectTheRightWindowFromBothEndsOfTheRevolution) {
+  robot::LaserRevolution revolution = Scan({});
+  // 0 to 7.5° open, 352.5° to 360° closed by one beam more: the median is closed.
+  for (auto& sample : revolution.samples) {
+    if (sample.angle_rad < 0.12) {
+      sample.range_m = 0.190;
+      sample.status = RangeStatus::kTooFar;
+    }
+  }
+  EXPECT_FALSE(ReadWindows(revolution, {}, {})->right_open);
+  for (auto& sample : revolution.samples) {
+    if (sample.angle_rad > 2 * pi - 0.12) {
+      sample.range_m = 0.190;
+      sample.status = RangeStatus::kTooFar;
+    }
+  }
+  EXPECT_TRUE(ReadWindows(revolution, {}, {})->right_open);
+}
+
+TEST(LaserLandmarks, TakeTooNearBeamsAsClosed) {
+  robot::LaserRevolution revolution = Scan({});
+  for (auto& sample : revolution.samples) {
+    sample.range_m = 0.070;
+    sample.status = RangeStatus::kTooNear;
+  }
+  const auto seen = ReadWindows(revolution, {}, {});
+  ASSERT_TRUE(seen);
+  EXPECT_EQ(seen->status, LaserStatus::kNoLandmark);
+}
+
+TEST(LaserLandmarks, OutvoteAFewStrayBeams) {
+  robot::LaserRevolution revolution = Scan({});
+  int strays = 0;
+  for (auto& sample : revolution.samples) {
+    if (std::abs(sample.angle_rad - pi / 2) < 0.13 && strays++ < 5)
+      sample.status = RangeStatus::kTooFar;
+  }
+  EXPECT_FALSE(ReadWindows(revolution, {}, {})->top_open);
+}
+
+TEST(LaserLandmarks, SayNothingWithoutSamplesInAWindow) {
+  EXPECT_FALSE(ReadWindows({}, {}, {}));
+  robot::LaserRevolution revolution = Scan({});
+  std::erase_if(revolution.samples,
+                [](const auto& sample) { return std::abs(sample.angle_rad - pi) < 0.2; });
+  EXPECT_FALSE(ReadWindows(revolution, {}, {}));
+}
+
+TEST(LaserLandmarks, DoNotCallExactlyTheThresholdOpen) {
+  EXPECT_FALSE(Read({.pipe_radius_m = 0.175 - 1e-9}).top_open);
+  EXPECT_TRUE(Read({.pipe_radius_m = 0.176}).top_open);
+}
+
+LaserObservation At(int ms, bool top, bool left = false) {
+  LaserObservation observation;
+  observation.captured_at = std::chrono::milliseconds(ms);
+  observation.top_open = top;
+  observation.left_open = left;
+  return observation;
+}
+
+TEST(LaserTracker, ReportsTheFirstRevolutionOfTheRunThatOpenedAWindow) {
+  LaserTracker tracker(3);
+  EXPECT_TRUE(tracker.Update(At(0, false)).empty());
+  EXPECT_TRUE(tracker.Update(At(33, true)).empty());
+  EXPECT_TRUE(tracker.Update(At(66, true)).empty());
+  EXPECT_FALSE(tracker.IsOpen(LaserWindow::kTop));
+  const auto edges = tracker.Update(At(100, true));
+  ASSERT_EQ(edges.size(), 1U);
+  EXPECT_EQ(edges[0].window, LaserWindow::kTop);
+  EXPECT_TRUE(edges[0].open);
+  EXPECT_EQ(edges[0].at, std::chrono::milliseconds(33));
+  EXPECT_TRUE(tracker.IsOpen(LaserWindow::kTop));
+  EXPECT_TRUE(tracker.Update(At(133, true)).empty());
+}
+
+TEST(LaserTracker, StartsTheRunAnewAfterOneRevolutionThatDisagrees) {
+  LaserTracker tracker(2);
+  EXPECT_TRUE(tracker.Update(At(0, true)).empty());
+  EXPECT_TRUE(tracker.Update(At(33, false)).empty());
+  EXPECT_TRUE(tracker.Update(At(66, true)).empty());
+  EXPECT_EQ(tracker.Update(At(100, true)).at(0).at, std::chrono::milliseconds(66));
+}
+
+TEST(LaserTracker, ReportsClosingLikeOpening) {
+  LaserTracker tracker(1);
+  EXPECT_EQ(tracker.Update(At(0, true)).size(), 1U);
+  const auto edges = tracker.Update(At(33, false));
+  ASSERT_EQ(edges.size(), 1U);
+  EXPECT_FALSE(edges[0].open);
+  EXPECT_FALSE(tracker.IsOpen(LaserWindow::kTop));
+}
+
+TEST(LaserTracker, KeepsItsWindowsApart) {
+  LaserTracker tracker(2);
+  EXPECT_TRUE(tracker.Update(At(0, true, false)).empty());
+  EXPECT_EQ(tracker.Update(At(33, true, true)).at(0).window, LaserWindow::kTop);
+  const auto edges = tracker.Update(At(66, true, true));
+  ASSERT_EQ(edges.size(), 1U);
+  EXPECT_EQ(edges[0].window, LaserWindow::kLeft);
+  EXPECT_EQ(edges[0].at, std::chrono::milliseconds(33));
+}
+
+TEST(LaserTracker, NeedsAtLeastOneRevolution) {
+  EXPECT_THROW(LaserTracker(0), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace kantaro::perception
