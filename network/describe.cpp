@@ -106,11 +106,12 @@ std::string CountsText(const Summary& summary) {
 /// One row of the tables: a label, a count and a length, in columns.
 std::string RowText(const std::string& label, const Extent& extent, const std::string& note = "") {
   const std::string row =
-      fmt::format("  {:<16}{:>8} pipes {:>12}", label, extent.pipes, LengthText(extent.length_m));
+      fmt::format("  {:<16}{:>8} {} {:>12}", label, extent.pipes,
+                  extent.pipes == 1 ? "pipe " : "pipes", LengthText(extent.length_m));
   return (note.empty() ? row : row + "  " + note) + "\n";
 }
 
-nlohmann::json ExtentJson(const Extent& extent) {
+nlohmann::ordered_json ExtentJson(const Extent& extent) {
   return {{"pipes", extent.pipes}, {"length_m", extent.length_m}};
 }
 
@@ -150,15 +151,15 @@ std::string Describe(const Network& network) {
 
 std::string DescribeJson(const Network& network) {
   const Summary summary = Summarise(network);
-  nlohmann::json json;
+  nlohmann::ordered_json json;
   json["name"] = network.name;
   json["manholes"]["count"] = network.manholes.size();
   for (const auto& [kind, count] : summary.manholes) json["manholes"][ToString(kind)] = count;
   json["all"] = ExtentJson(summary.all);
   json["enterable"] = ExtentJson(summary.enterable);
-  json["diameters"] = nlohmann::json::array();
+  json["diameters"] = nlohmann::ordered_json::array();
   for (const auto& [diameter_mm, extent] : summary.by_diameter_mm) {
-    nlohmann::json row = ExtentJson(extent);
+    nlohmann::ordered_json row = ExtentJson(extent);
     row["diameter_mm"] = diameter_mm;
     json["diameters"].push_back(row);
   }
@@ -168,16 +169,16 @@ std::string DescribeJson(const Network& network) {
   for (const auto& [category, count] : summary.faults) {
     json["faults"][std::string(WordFor(category))] = count;
   }
-  json["skipped"] = nlohmann::json::array();
+  json["skipped"] = nlohmann::ordered_json::array();
   for (const SkippedLink& link : network.skipped) {
     json["skipped"].push_back({{"name", link.name},
                                {"from", link.upstream},
                                {"to", link.downstream},
                                {"reason", link.reason}});
   }
-  json["remarks"] = nlohmann::json::array();
+  json["remarks"] = nlohmann::ordered_json::array();
   for (const Remark& remark : network.remarks) {
-    nlohmann::json row = {{"subject", remark.subject}, {"text", remark.text}};
+    nlohmann::ordered_json row = {{"subject", remark.subject}, {"text", remark.text}};
     if (remark.line) row["line"] = *remark.line;
     json["remarks"].push_back(row);
   }

@@ -69,9 +69,9 @@ struct Row {
 
 using Sections = std::map<std::string, std::vector<Row>, std::less<>>;
 
-constexpr std::array<std::string_view, 15> kRead{
-    "TITLE", "OPTIONS",  "MAP",   "JUNCTIONS", "OUTFALLS",  "STORAGE",     "DIVIDERS", "CONDUITS",
-    "PUMPS", "ORIFICES", "WEIRS", "OUTLETS",   "XSECTIONS", "COORDINATES", "VERTICES"};
+constexpr std::array<std::string_view, 14> kRead{
+    "OPTIONS", "MAP",      "JUNCTIONS", "OUTFALLS", "STORAGE",   "DIVIDERS",    "CONDUITS",
+    "PUMPS",   "ORIFICES", "WEIRS",     "OUTLETS",  "XSECTIONS", "COORDINATES", "VERTICES"};
 
 std::string Upper(std::string_view word) {
   std::string upper(word);
@@ -300,7 +300,6 @@ void ReadConduits(const Sections& sections, const Options& options, Model& model
   }
   for (const Row& row : RowsOf(sections, "XSECTIONS")) {
     const std::string shape = Upper(row.Word(1, "Shape"));
-    const std::string size = row.Word(2, "Geom1");
     const auto found = model.conduit_of.find(row.words[0]);
     if (found == model.conduit_of.end()) continue;  // of an orifice or a weir
     Conduit& conduit = model.conduits[found->second];
@@ -334,6 +333,18 @@ void DemandShapes(const Model& model, const std::filesystem::path& file) {
                       conduit.name));
     }
   }
+}
+
+/// Coordinates come late in a file: one that stops in the middle of their rows was cut.
+void DemandWholeMap(const Model& model, std::string_view text, const std::filesystem::path& file) {
+  const bool all_drawn = std::all_of(model.nodes.begin(), model.nodes.end(),
+                                     [](const Node& node) { return node.drawn.has_value(); });
+  const std::size_t last = text.rfind("\n[");
+  if (all_drawn || text.ends_with('\n') || last == std::string_view::npos) return;
+  if (!Upper(text.substr(last + 1, 12)).starts_with("[COORDINATES")) return;
+  throw InputError(file, static_cast<int>(std::count(text.begin(), text.end(), '\n')) + 1,
+                   "COORDINATES",
+                   "the file stops here in the middle of a row, nodes lack coordinates");
 }
 
 // ------------------------------------------------------------------------------------ the network
@@ -420,7 +431,7 @@ void Builder::ChooseScale() {
     if (drawn && *drawn > 0.0) ratios.push_back(conduit.length_m / (*drawn * options_.unit_m));
   }
   if (ratios.empty()) return;
-  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>((ratios.size() - 1) / 2);
   std::nth_element(ratios.begin(), middle, ratios.end());
   const double median = *middle;
   if (std::abs(median - 1.0) > kSameScale) {
@@ -437,8 +448,9 @@ void Builder::ChooseScale() {
   if (differing > 0) {
     AddRemark(
         {}, "conduits",
-        fmt::format("{} of {} are stated more than 5 % longer or shorter than drawn: the map rules",
-                    differing, ratios.size()));
+        fmt::format(
+            "the stated length of {} of {} is more than 5 % off the drawn one: the drawing rules",
+            differing, ratios.size()));
   }
 }
 
@@ -474,7 +486,7 @@ bool Builder::CanBePipe(const Conduit& conduit) {
   if (conduit.from == conduit.to)
     Skip(conduit, "begins and ends in one node");
   else if (conduit.shape != "CIRCULAR")
-    Skip(conduit, "not circular: " + conduit.shape);
+    Skip(conduit, fmt::format("not circular ({})", conduit.shape));
   else
     return true;
   return false;
@@ -596,10 +608,14 @@ void Builder::DeepenManholes() {
 
 void Builder::LayAllJoints() {
   const NetworkIndex index(network_);
-  std::size_t joints = 0;
+  std::size_t joints = 0, bare = 0;
   for (std::size_t i = 0; i < network_.pipes.size(); ++i) {
     Pipe& pipe = network_.pipes[i];
-    if (!IsEnterable(pipe) || joints > kMostJoints / 2) continue;
+    if (!IsEnterable(pipe)) continue;
+    if (joints > kMostJoints / 2) {
+      ++bare;
+      continue;
+    }
     const PipeAxis axis(network_, index, i);
     pipe.joints = LayJoints({kJointSpacing_m, kJointSpacing_m}, axis.length_m());
     joints += pipe.joints.size();
@@ -608,6 +624,8 @@ void Builder::LayAllJoints() {
       {}, "joints",
       fmt::format("the file knows none: one every {} m is assumed in the pipes KANTARO can enter",
                   kJointSpacing_m));
+  if (bare > 0)
+    AddRemark({}, "joints", fmt::format("none in the last {} pipes, there are too many", bare));
   AddRemark({}, "materials",
             fmt::format("told from Manning's n: plastic below {}, else concrete", kSmoothBelow));
 }
@@ -654,6 +672,7 @@ Network ParseSwmm(const std::string& text, const std::filesystem::path& name) {
   ReadNodes(sections, options, model);
   ReadConduits(sections, options, model);
   DemandShapes(model, name);
+  DemandWholeMap(model, clean, name);
   Network network = Builder(model, options).Build(sections, name);
   Check(network, name);
   return network;

@@ -277,14 +277,16 @@ void WritePipe(std::string& text, const Pipe& pipe, double length_m) {
 /// What the format has no place for, as a comment: a reader of the file should still know.
 std::string Preamble(const Network& network) {
   std::string text;
-  const auto comment = [&](const std::string& subject, const std::string& rest) {
-    text += fmt::format("# {}: {}\n", subject, rest);
+  const auto comment = [&](std::string line) {
+    std::replace_if(
+        line.begin(), line.end(),
+        [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, ' ');
+    text += "# " + line + "\n";
   };
-  for (const Remark& remark : network.remarks) comment(remark.subject, remark.text);
-  for (const SkippedLink& link : network.skipped) comment("left out " + link.name, link.reason);
-  std::replace_if(
-      text.begin(), text.end(),
-      [](char c) { return (c != '\n' && static_cast<unsigned char>(c) < 0x20) || c == 0x7f; }, ' ');
+  for (const Remark& remark : network.remarks) comment(remark.subject + ": " + remark.text);
+  for (const SkippedLink& link : network.skipped) {
+    comment(fmt::format("left out {}: {}", link.name, link.reason));
+  }
   return text;
 }
 

@@ -1,0 +1,122 @@
+#include "network/topology.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "tests/network/sewers.hpp"
+
+namespace kantaro::network {
+namespace {
+
+/// `arms` pipes meeting in "M" at the origin, 10 m long, at these headings [°].
+Network Star(const std::vector<double>& headings) {
+  Network network;
+  network.manholes.push_back(ManholeAt("M", 0, 0));
+  for (std::size_t i = 0; i < headings.size(); ++i) {
+    const double heading = headings[i] * std::numbers::pi / 180;
+    const std::string end = "E" + std::to_string(i);
+    network.manholes.push_back(ManholeAt(end, 10 * std::cos(heading), 10 * std::sin(heading)));
+    network.pipes.push_back(PipeFrom("P" + std::to_string(i), "M", end));
+  }
+  return network;
+}
+
+ManholeKind KindOfStar(const std::vector<double>& headings) {
+  const Network network = Star(headings);
+  const ManholeKind kind = KindOf(network, network.manholes[0]);
+  EXPECT_EQ(KindOf(network, NetworkIndex(network), 0), kind);
+  return kind;
+}
+
+/// A, B, C, D in a row 10 m apart; A–B and C–D of 300 mm, B–C of 500 mm, and a way round over X.
+Network Row() {
+  Network network;
+  network.manholes = {ManholeAt("A", 0, 0), ManholeAt("B", 10, 0), ManholeAt("C", 20, 0),
+                      ManholeAt("D", 30, 0), ManholeAt("X", 15, 20)};
+  network.pipes = {PipeFrom("AB", "A", "B"), PipeFrom("BC", "B", "C", 0.5),
+                   PipeFrom("DC", "D", "C"), PipeFrom("BX", "B", "X"), PipeFrom("XC", "X", "C")};
+  return network;
+}
+
+TEST(ManholeKind, FollowsFromThePipesThatMeet) {
+  EXPECT_EQ(KindOfStar({}), ManholeKind::kOther);
+  EXPECT_EQ(KindOfStar({0}), ManholeKind::kEnd);
+  EXPECT_EQ(KindOfStar({0, 180}), ManholeKind::kStraight);
+  EXPECT_EQ(KindOfStar({0, 166}), ManholeKind::kStraight);
+  EXPECT_EQ(KindOfStar({0, 164}), ManholeKind::kCurve);
+  EXPECT_EQ(KindOfStar({0, 90}), ManholeKind::kCurve);
+  EXPECT_EQ(KindOfStar({0, 90, 180}), ManholeKind::kTee);
+  EXPECT_EQ(KindOfStar({0, 90, 180, 270}), ManholeKind::kCross);
+  EXPECT_EQ(KindOfStar({0, 90, 180, 270, 300}), ManholeKind::kOther);
+}
+
+TEST(DirectionFrom, PointsAlongTheFirstLegFromEitherEnd) {
+  Network network = OnePipe();
+  network.pipes[0].bends = {{{5, 5}, 0.5}};
+  const double half = std::sqrt(0.5);
+  const auto from_a = DirectionFrom(network, network.pipes[0], network.manholes[0]);
+  const auto from_b = DirectionFrom(network, network.pipes[0], network.manholes[1]);
+  EXPECT_NEAR(from_a.x(), half, 1e-12);
+  EXPECT_NEAR(from_b.x(), -half, 1e-12);
+  EXPECT_NEAR(from_b.y(), half, 1e-12);
+}
+
+TEST(ShortestRoute, GoesRoundPipesTheRobotCannotEnter) {
+  const std::vector<RouteLeg> route = ShortestRoute(Row(), "A", "D");
+  ASSERT_EQ(route.size(), 4u);
+  EXPECT_EQ(route[0].pipe, "AB");
+  EXPECT_EQ(route[1].pipe, "BX");
+  EXPECT_EQ(route[2].pipe, "XC");
+  EXPECT_EQ(route[3].pipe, "DC");
+  EXPECT_TRUE(route[2].downstream);
+  EXPECT_FALSE(route[3].downstream);
+}
+
+TEST(ShortestRoute, PrefersTheShorterWay) {
+  Network network = Row();
+  network.pipes[1].diameter_m = 0.3;
+  const std::vector<RouteLeg> route = ShortestRoute(network, "A", "C");
+  ASSERT_EQ(route.size(), 2u);
+  EXPECT_EQ(route[1].pipe, "BC");
+}
+
+TEST(ShortestRoute, IsEmptyWithoutAWayAndThrowsForStrangers) {
+  Network network = Row();
+  EXPECT_TRUE(ShortestRoute(network, "A", "A").empty());
+  network.pipes.pop_back();
+  EXPECT_TRUE(ShortestRoute(network, "A", "D").empty());
+  EXPECT_THROW((void)ShortestRoute(network, "A", "Z"), std::out_of_range);
+}
+
+TEST(Neighbourhood, KeepsEveryPipeThatBeginsWithinReach) {
+  Network network = Row();
+  network.skipped = {{"weir", "A", "B", "a weir"}, {"pump", "C", "D", "a pump"}};
+  const Network part = Neighbourhood(network, {"A"}, 10.5);  // B is 10 m away, C 20 m
+  ASSERT_EQ(part.pipes.size(), 3u);
+  EXPECT_TRUE(part.FindPipe("AB") && part.FindPipe("BC") && part.FindPipe("BX"));
+  EXPECT_EQ(part.manholes.size(), 4u);
+  EXPECT_FALSE(part.FindManhole("D"));
+  ASSERT_EQ(part.skipped.size(), 1u);
+  EXPECT_EQ(part.skipped[0].name, "weir");
+}
+
+TEST(Neighbourhood, LeavesShaftsAsWideAsInTheWhole) {
+  const Network part =
+      Neighbourhood(Row(), {"X"}, 1.0);  // C keeps BX and XC, loses the 500 mm pipe
+  ASSERT_FALSE(part.FindPipe("BC"));
+  EXPECT_DOUBLE_EQ(part.ShaftDiameter(part.ManholeNamed("C")), 1.0);
+}
+
+TEST(Neighbourhood, KeepsAManholeWithoutPipes) {
+  Network network = Row();
+  network.manholes.push_back(ManholeAt("lonely", 90, 90));
+  const Network part = Neighbourhood(network, {"lonely"}, 5.0);
+  EXPECT_EQ(part.manholes.size(), 1u);
+  EXPECT_TRUE(part.pipes.empty());
+}
+
+}  // namespace
+}  // namespace kantaro::network
