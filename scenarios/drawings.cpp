@@ -210,6 +210,7 @@ Eigen::Vector2d FreeDirection(const network::Network& network, const network::Ma
     double nearest = -1.0;
     for (const Eigen::Vector2d& pipe : taken) nearest = std::max(nearest, direction.dot(pipe));
     if (nearest < least - 0.05) least = nearest, best = direction;
+    if (nearest < 0.3) break;  // above or below reads best, where no pipe is in the way
   }
   return best;
 }
@@ -353,19 +354,36 @@ std::string DrawTimeTicks(const TimeAxis& axis, double y_px) {
   return svg;
 }
 
-/// Numbered marks of the camera frames; those too near the last one step down a row.
-std::string DrawFrameMarks(const MissionTrace& trace, const TimeAxis& axis, double top_px,
-                           double bottom_px) {
-  std::string svg;
+/// The row, 0 lowest, in which each camera frame's number has room beside the one before; absent if
+/// in none.
+std::vector<std::optional<std::size_t>> MarkRows(const MissionTrace& trace, const TimeAxis& axis) {
+  std::vector<std::optional<std::size_t>> rows;
   std::array<double, 3> row_end{-1e9, -1e9, -1e9};
+  for (const LandmarkFrame& frame : trace.frames) {
+    const double x = axis(frame.time_s);
+    const auto row =
+        std::find_if(row_end.begin(), row_end.end(), [&](double end) { return x - end > 17.0; });
+    if (row == row_end.end()) {
+      rows.emplace_back();
+    } else {
+      *row = x;
+      rows.emplace_back(static_cast<std::size_t>(row - row_end.begin()));
+    }
+  }
+  return rows;
+}
+
+constexpr double kMarkRow_px = 18.0;
+
+std::string DrawFrameMarks(const MissionTrace& trace,
+                           const std::vector<std::optional<std::size_t>>& rows,
+                           const TimeAxis& axis, double top_px, double bottom_px) {
+  std::string svg;
   for (std::size_t i = 0; i < trace.frames.size(); ++i) {
     const double x = axis(trace.frames[i].time_s);
     svg += Line("mark", x, top_px, x, bottom_px);
-    const auto row =
-        std::find_if(row_end.begin(), row_end.end(), [&](double end) { return x - end > 17.0; });
-    if (row == row_end.end()) continue;
-    *row = x;
-    const double y = top_px - 10.0 - 18.0 * static_cast<double>(row - row_end.begin());
+    if (!rows[i]) continue;
+    const double y = top_px - 10.0 - kMarkRow_px * static_cast<double>(*rows[i]);
     svg +=
         Circle("pin", x, y, 7.5) + Label("pin-number", x, y + 3.4, "middle", std::to_string(i + 1));
   }
@@ -522,20 +540,24 @@ std::string PlanSvg(const Scenario& scenario, const MissionTrace& trace, double 
 }
 
 std::string TimeSvg(const Scenario& scenario, const MissionTrace& trace, double width_px) {
-  constexpr double kTop_px = 62.0, kGap_px = 40.0;
+  constexpr double kGap_px = 40.0;
   const TimeAxis axis{44.0, width_px - 8.0, std::max(trace.end_s, 1.0)};
-  const std::vector<Panel> panels = TimePanels(scenario, trace, width_px < 600.0);
+  const std::vector<std::optional<std::size_t>> rows = MarkRows(trace, axis);
+  const std::size_t highest_row =
+      rows.empty() ? 0 : std::max_element(rows.begin(), rows.end())->value_or(0);
+  const double top_px = 22.0 + kMarkRow_px * static_cast<double>(highest_row);
   std::string charts;
-  double y = kTop_px + 26.0;
-  for (const Panel& panel : panels) {
+  double y = top_px + 26.0;
+  for (const Panel& panel : TimePanels(scenario, trace, width_px < 600.0)) {
     charts += DrawPanel(panel, axis, y);
     y += panel.height_px + kGap_px;
   }
-  const double bottom = y - kGap_px;
+  const double bottom_px = y - kGap_px;
   const std::string ribbon =
-      DrawPhases(trace, axis, bottom + 8.0) + DrawTimeTicks(axis, bottom + 42.0);
-  return OpenSvg(width_px, bottom + 52.0, "time", "Distance, speed and position error over time") +
-         DrawFrameMarks(trace, axis, kTop_px, bottom) + charts + ribbon + "</svg>";
+      DrawPhases(trace, axis, bottom_px + 8.0) + DrawTimeTicks(axis, bottom_px + 42.0);
+  return OpenSvg(width_px, bottom_px + 52.0, "time",
+                 "Distance, speed and position error over time") +
+         DrawFrameMarks(trace, rows, axis, top_px, bottom_px) + charts + ribbon + "</svg>";
 }
 
 std::string LaserSvg(const LaserRing& ring, double threshold_m) {
@@ -551,8 +573,8 @@ std::string LaserSvg(const LaserRing& ring, double threshold_m) {
     svg +=
         Label("tick", p.x() + 2.0, p.y() + 4.0, "start", fmt::format("{:.0f}", range_m * 1000.0));
   }
-  const Eigen::Vector2d corner = OnDial(-pi / 4.0, threshold_m);
-  svg += Label("limit-label", corner.x() + 4.0, corner.y() + 8.0, "start",
+  const Eigen::Vector2d corner = OnDial(-0.75 * pi, threshold_m);
+  svg += Label("limit-label", corner.x() - 5.0, corner.y() + 10.0, "end",
                fmt::format("{:.0f} mm", threshold_m * 1000.0));
   for (const robot::LaserSample& sample : ring.revolution.samples) {
     const Eigen::Vector2d p = OnDial(sample.angle_rad, sample.range_m);

@@ -87,6 +87,19 @@ Check FinishedInTime(const Scenario& scenario, const MissionTrace& trace) {
   return check;
 }
 
+/// Whether a place lies in a bend of its pipe, or near enough for the robot to steer into or out of
+/// it.
+bool IsInBend(const network::Network& network, const Place& place) {
+  const auto pipe = network.FindPipe(place.pipe);
+  if (!pipe || network.pipes[*pipe].bends.empty()) return false;
+  const network::PipeAxis axis(network, network.pipes[*pipe]);
+  return std::any_of(
+      axis.pieces().begin(), axis.pieces().end(), [&](const network::AxisPiece& piece) {
+        return piece.curvature != 0.0 && place.chainage_m > piece.start_m - kMouthReach_m &&
+               place.chainage_m < piece.start_m + piece.length_m + kMouthReach_m;
+      });
+}
+
 Check NoTurnWithoutJunction(const Scenario& scenario, const MissionTrace& trace) {
   Check check{"no_turn_without_junction", true, 0.0, kTurnReach_m, "m", "", {}, ""};
   std::vector<const network::Manhole*> junctions;
@@ -94,7 +107,7 @@ Check NoTurnWithoutJunction(const Scenario& scenario, const MissionTrace& trace)
     if (IsJunction(scenario.network, manhole)) junctions.push_back(&manhole);
   }
   for (std::size_t i = 0; i < trace.truth.size(); ++i) {
-    if (!trace.estimate[i].turning) continue;
+    if (!trace.estimate[i].turning || IsInBend(scenario.network, trace.truth[i].place)) continue;
     double nearest_m = std::numeric_limits<double>::infinity();
     for (const network::Manhole* manhole : junctions) {
       nearest_m = std::min(

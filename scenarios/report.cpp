@@ -203,7 +203,7 @@ std::string CheckSection(const Verdict& verdict) {
                                   ? "at least " + Value(check.limit, check.unit)
                                   : Value(check.limit, check.unit);
     rows += fmt::format(
-        R"(<tr><td class="mark-cell {}">{}</td><td><strong>{}</strong><br>{}</td><td class="number">{}</td><td class="number" data-label="limit">{}</td></tr>)",
+        R"(<tr><td class="mark-cell {}">{}</td><td><strong>{}</strong><br>{}</td><td class="number" data-label="measured">{}</td><td class="number" data-label="limit">{}</td></tr>)",
         check.passed ? "ok" : "no", check.passed ? "✓" : "✗", Escape(Spoken(check.name)),
         Escape(check.text), Value(check.value, check.unit), limit);
   }

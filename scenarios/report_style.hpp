@@ -50,7 +50,8 @@ Arial,"DejaVu Sans",sans-serif;font-variant-numeric:tabular-nums;overflow:visibl
 .inlet{stroke:var(--pipe)}
 .fault{fill:var(--bad);stroke:var(--card);stroke-width:1.5}
 .truth{fill:none;stroke:var(--truth);stroke-width:3;stroke-linejoin:round;stroke-linecap:round}
-.plan .truth{stroke-width:4.5}
+.plan .truth{stroke-width:7;opacity:.5}
+.plan .estimate{stroke-width:2.2;stroke-dasharray:7 4}
 .estimate{fill:none;stroke:var(--estimate);stroke-width:1.8;stroke-dasharray:6 4;stroke-linejoin:round}
 .time .truth{stroke-width:2.2}
 .error{fill:none;stroke:var(--estimate);stroke-width:1.8}
@@ -112,11 +113,13 @@ details table{margin-top:10px}
 .verdict{grid-template-columns:1fr;padding:16px 18px}.figures{grid-template-columns:1fr 1fr}section{margin-top:38px}
 .card{padding:12px 10px}.strip{grid-template-columns:1fr 1fr;gap:14px 10px}.laser-row{grid-template-columns:1fr;gap:14px}
 .checks thead,.faults thead{display:none}
-.checks tr{display:grid;grid-template-columns:1.9em 1fr;padding:11px 0;border-bottom:1px solid var(--rule)}
-.checks td{border:0;padding:0;text-align:left;grid-column:2}.checks .mark-cell{grid-column:1;grid-row:1/4}
+.checks tr{display:grid;grid-template-columns:1.9em max-content 1fr;gap:0 14px;padding:11px 0;border-bottom:1px solid var(--rule)}
+.checks td{border:0;padding:0;text-align:left;grid-column:2/-1}.checks .mark-cell{grid-column:1;grid-row:1/3}
+.checks .number:nth-of-type(3){grid-column:2}.checks .number:nth-of-type(4){grid-column:3}
 .checks .number{font-size:.85rem;color:var(--soft);white-space:normal}.checks .number[data-label]::before{content:attr(data-label) " "}
-.faults tr{display:grid;grid-template-columns:98px 1fr;gap:0 12px;padding:11px 0;border-bottom:1px solid var(--rule)}
-.faults td{border:0;padding:0;grid-column:2;text-align:left}.faults .thumb{grid-column:1;grid-row:1/6}
+.faults tr{display:grid;grid-template-columns:98px max-content 1fr;gap:0 12px;padding:11px 0;border-bottom:1px solid var(--rule)}
+.faults td{border:0;padding:0;grid-column:2/-1;text-align:left}.faults .thumb{grid-column:1;grid-row:1/5}
+.faults .number:nth-of-type(4){grid-column:2}.faults .number:nth-of-type(5){grid-column:3}
 .faults .number{font-size:.86rem;color:var(--soft)}.faults .number[data-label]::before{content:attr(data-label) " "}}
 @media print{@page{size:A4;margin:14mm 13mm}:root{color-scheme:light;--paper:#fff;--card:#fff;--ink:#111a1d;--soft:#4c585d;
 --faint:#8b979c;--rule:#d7d9d6;--pipe:#dde5e6;--shaft:#cbd6d8;--truth:#0b7285;--estimate:#d9480f;--good:#1b7a43;
@@ -124,7 +127,7 @@ details table{margin-top:10px}
 *{-webkit-print-color-adjust:exact;print-color-adjust:exact}body{font-size:10.5pt}main{max-width:none;padding:0}
 section{margin-top:9mm}.figures{grid-template-columns:repeat(6,1fr)}.figures dd{font-size:1.15rem}
 .two{grid-template-columns:1fr 1fr;gap:0 10mm}.strip{grid-template-columns:repeat(4,1fr);gap:3mm}.card{padding:3mm}
-h2{break-after:avoid}.strip-section,.table-section{break-inside:auto}details:not([open]){display:none}}
+h2{break-after:avoid}.tick,.small,.phase-name,.limit-label{font-size:15px}.name,.panel-title{font-size:16.5px}.laser text{font-size:12px}.strip-section,.table-section{break-inside:auto}details:not([open]){display:none}}
 )css";
 
 }  // namespace kantaro::scenarios
