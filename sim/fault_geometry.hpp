@@ -22,4 +22,9 @@ struct Visual {
 [[nodiscard]] std::vector<Visual> BuildFault(const network::PipeAxis& axis, double pipe_radius_m,
                                              const network::Fault& fault, RandomStream& random);
 
+/// The ragged dirt that collects on both sides of a joint's groove: what makes a joint a dark ring to a camera
+/// whose line of sight passes over the groove itself.
+[[nodiscard]] std::vector<Visual> BuildJointRims(const network::PipeAxis& axis, double pipe_radius_m,
+                                                 const network::Joint& joint, RandomStream& random);
+
 }  // namespace kantaro::sim

@@ -12,7 +12,8 @@ namespace {
 /// Smooth noise of standard deviation near 1 that repeats at the edges: random values on a grid of cells.
 cv::Mat Noise(RandomStream& random, cv::Size size, cv::Size cells) {
   cv::Mat grid(cells, CV_32F);
-  for (float& value : cv::Mat_<float>(grid)) value = static_cast<float>(random.Normal(1.0));
+  cv::Mat_<float> values = grid;
+  for (float& value : values) value = static_cast<float>(random.Normal(1.0));
   constexpr int kPad = 3;  // the cubic kernel looks two cells around
   cv::Mat padded;
   cv::copyMakeBorder(grid, padded, kPad, kPad, kPad, kPad, cv::BORDER_WRAP);
@@ -58,7 +59,7 @@ cv::Mat Specks(RandomStream& random, cv::Size size, int count, double smallest_p
     const double angle = random.Uniform(0.0, 180.0);
     const double tone = random.Uniform(90.0, 255.0);
     DrawWrapped(size, place, 2.0 * largest_px, [&](cv::Point2d at) {
-      cv::ellipse(specks, cv::RotatedRect(at, cv::Size2f(2.0 * axes.width, 2.0 * axes.height), static_cast<float>(angle)),
+      cv::ellipse(specks, cv::RotatedRect(at, axes * 2.0, static_cast<float>(angle)),
                   tone, cv::FILLED, cv::LINE_AA);
     });
   }
@@ -145,8 +146,9 @@ Surface PipeWall(RandomStream& random, double contrast) {
   const cv::Mat turns = TurnsFromInvert(size);
   const cv::Mat level = 0.095 + contrast * (0.010 * Noise(random, size, cv::Size(8, 1)) + 0.004 * mottle + 0.003 * fine);
   const cv::Mat above = turns - level;
-  const cv::Mat streaks = Noise(random, size, cv::Size(16, 256));
-  cv::Mat bed = 0.24 + contrast * (0.05 * streaks + 0.05 * mottle + 0.05 * fine + 0.05 * grain + 0.2 * pale);
+  const cv::Mat streaks = Noise(random, size, cv::Size(8, 128)) + 0.5 * Noise(random, size, cv::Size(32, 512));
+  cv::Mat bed = 0.25 + contrast * (0.035 * streaks + 0.04 * blotches + 0.03 * mottle + 0.04 * fine + 0.05 * grain +
+                                   0.25 * pale);
   const cv::Mat stained = 1.0 - 0.32 * contrast * (1.0 - Ramp(above, 0.0, 0.11)).mul(1.0 + 0.3 * blotches);
   cv::Mat albedo = Mix(bed, wall.mul(stained), Ramp(above, -0.006, 0.006));
   const cv::Mat rim = (1.0 - Ramp(cv::abs(above), 0.0, 0.008)).mul(1.0 + 0.5 * fine);
@@ -200,10 +202,10 @@ cv::Mat MakePattern(Pattern pattern, std::uint64_t seed, double contrast) {
 Look PipeWallLook(network::Material material) {
   using network::Material;
   switch (material) {
-    case Material::kPvc: return {Pattern::kPipeWall, {0.80f, 0.76f, 0.67f}, 0.35f, 0.5f};
-    case Material::kClay: return {Pattern::kPipeWall, {0.72f, 0.42f, 0.26f}, 0.45f, 0.6f};
-    case Material::kConcrete: return {Pattern::kPipeWall, {0.62f, 0.58f, 0.50f}, 0.12f, 1.0f};
-    case Material::kLined: return {Pattern::kPipeWall, {0.55f, 0.60f, 0.50f}, 0.55f, 0.4f};
+    case Material::kPvc: return {Pattern::kPipeWall, {0.80f, 0.76f, 0.67f}, 0.30f, 0.15f};
+    case Material::kClay: return {Pattern::kPipeWall, {0.72f, 0.42f, 0.26f}, 0.40f, 0.25f};
+    case Material::kConcrete: return {Pattern::kPipeWall, {0.62f, 0.58f, 0.50f}, 0.12f, 0.6f};
+    case Material::kLined: return {Pattern::kPipeWall, {0.55f, 0.60f, 0.50f}, 0.50f, 0.2f};
   }
   return {};
 }

@@ -2,11 +2,14 @@
 
 #include <GL/gl.h>
 #include <GL/glext.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <mutex>
+#include <opencv2/imgproc.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -24,7 +27,8 @@ constexpr double kBlack = 0.03;
 
 // GLSL 1.20: MuJoCo 2.2 draws with OpenGL's fixed pipeline and binds no program of its own, so a program bound
 // before mjr_render shades every one of its draws. E is OpenGL's eye frame: x right, y up, z backward.
-constexpr const char* kVertexShader = R"(#version 120
+constexpr const char* kVersion = "#version 120\n";
+constexpr const char* kVertexShader = R"(
 varying vec3 p_E;
 varying vec3 normal_E;
 varying vec2 texel;
@@ -37,25 +41,25 @@ void main() {
 }
 )";
 
-constexpr const char* kLampShader = R"(#version 120
+// Lamps sit a few centimetres apart: each has its own fall-off and shading, while the lobe and the highlight are
+// taken for all at their middle, which halves the work. LAMPS is defined before this text, so that the loop unrolls.
+constexpr const char* kLampShader = R"(
 varying vec3 p_E;
 varying vec3 normal_E;
 varying vec2 texel;
 uniform sampler2D pattern;   // albedo, slope along texel.x, slope along texel.y
-uniform int lamp_count;
-uniform vec3 p_ELamp[8];
+uniform vec3 p_ELamp[LAMPS];
+uniform vec3 p_EMiddle;      // of the lamps
 uniform vec3 direction_E;    // of the lamps
-uniform float radiance;      // of the lamps together at 1 m, divided by their number
+uniform float radiance;      // of each lamp at 1 m
 uniform float reach;
 
 // The wall's normal, leaned by the pattern's slopes; where they point follows from the screen's derivatives.
 vec3 LeanedNormal(vec3 normal, vec2 slope) {
-  vec3 dp_x = dFdx(p_E);
-  vec3 dp_y = dFdy(p_E);
+  vec3 r_x = cross(dFdy(p_E), normal);
+  vec3 r_y = cross(normal, dFdx(p_E));
   vec2 dt_x = dFdx(texel);
   vec2 dt_y = dFdy(texel);
-  vec3 r_x = cross(dp_y, normal);
-  vec3 r_y = cross(normal, dp_x);
   vec3 along = r_x * dt_x.x + r_y * dt_y.x;
   vec3 around = r_x * dt_x.y + r_y * dt_y.y;
   float scale = inversesqrt(max(max(dot(along, along), dot(around, around)), 1e-20));
@@ -63,39 +67,38 @@ vec3 LeanedNormal(vec3 normal, vec2 slope) {
 }
 
 void main() {
-  vec3 texture = texture2D(pattern, texel, -0.5).rgb;
+  vec3 texture = texture2D(pattern, texel).rgb;
   float albedo = texture.r;
   float gloss = gl_FrontMaterial.specular.r;
   float relief = gl_FrontMaterial.shininess / 128.0;
-  vec3 normal = LeanedNormal(normalize(normal_E), 2.0 * relief * (texture.gb - 128.0 / 255.0));
-  vec3 view = normalize(-p_E);
-  float wet = 1.0 - smoothstep(0.25, 0.45, albedo);
+  vec3 normal = LeanedNormal(normal_E, 2.0 * relief * (texture.gb - 128.0 / 255.0));
+  vec3 mirrored = reflect(normalize(p_E), normal);
+  vec3 to_middle = normalize(p_EMiddle - p_E);
 
   float diffuse = 0.0;
-  float highlight = 0.0;
-  for (int i = 0; i < lamp_count; ++i) {
+  float light = 0.0;
+  for (int i = 0; i < LAMPS; ++i) {
     vec3 to_lamp = p_ELamp[i] - p_E;
-    float inverse = inversesqrt(dot(to_lamp, to_lamp));
-    to_lamp *= inverse;
-    // An LED behind a diffuser: all to the front, some to the sides, nothing backward.
-    float lobe = max(0.0, 0.25 - 0.75 * dot(to_lamp, direction_E));
-    float light = lobe * inverse * inverse;
-    // The white tube sends light round corners: a little arrives from everywhere.
-    diffuse += light * (0.92 * max(dot(normal, to_lamp), 0.0) + 0.08);
-    float h = max(dot(normal, normalize(to_lamp + view)), 0.0);
-    h *= h; h *= h; h *= h; h *= h; h *= h;
-    highlight += light * h;
+    float fall_off = 1.0 / dot(to_lamp, to_lamp);
+    // The bright tube sends light round corners: a little arrives from everywhere.
+    diffuse += fall_off * (0.92 * sqrt(fall_off) * max(dot(normal, to_lamp), 0.0) + 0.08);
+    light += fall_off;
   }
-  // Soil is brown and dark, clean wall has the material's own colour.
-  vec3 colour = gl_FrontMaterial.diffuse.rgb * mix(vec3(1.0, 0.84, 0.66), vec3(1.0), smoothstep(0.25, 0.72, albedo));
+  float highlight = max(dot(mirrored, to_middle), 0.0);
+  highlight *= highlight; highlight *= highlight; highlight *= highlight;
+  // LEDs behind a diffuser: brightest to the front, some light to the sides, none backward.
+  float lobe = max(0.0, 0.25 - 0.75 * dot(to_middle, direction_E));
   float fade = clamp(1.0 + p_E.z / reach, 0.0, 1.0);
-  vec3 light = radiance * fade * (colour * albedo * diffuse + gloss * (0.35 + wet) * highlight);
-  gl_FragColor = vec4(sqrt(1.0 - exp(-light)), 1.0);
+  // Soil is brown, dark and wet; clean wall has the material's own colour.
+  vec3 soiled = mix(vec3(1.0, 0.84, 0.66), vec3(1.0), smoothstep(0.25, 0.72, albedo));
+  float wet = 1.0 - smoothstep(0.25, 0.45, albedo);
+  vec3 sent = gl_FrontMaterial.diffuse.rgb * soiled * albedo * diffuse + gloss * (0.3 + wet) * highlight * light;
+  gl_FragColor = vec4(sqrt(1.0 - exp(-radiance * lobe * fade * sent)), 1.0);
 }
 )";
 
 // Depth as 24 bits over twice the reach, independent of how MuJoCo sets up its depth buffer.
-constexpr const char* kDepthShader = R"(#version 120
+constexpr const char* kDepthShader = R"(
 varying vec3 p_E;
 uniform float reach;
 void main() {
@@ -131,9 +134,10 @@ struct Gl {
   ReadPixelsFunction ReadPixels = Entry<ReadPixelsFunction>("glReadPixels");
 };
 
-GLuint CompileShader(const Gl& gl, GLenum kind, const char* source) {
+GLuint CompileShader(const Gl& gl, GLenum kind, const std::string& source) {
   const GLuint shader = gl.CreateShader(kind);
-  gl.ShaderSource(shader, 1, &source, nullptr);
+  const char* text = source.c_str();
+  gl.ShaderSource(shader, 1, &text, nullptr);
   gl.CompileShader(shader);
   GLint compiled = 0;
   gl.GetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
@@ -145,10 +149,10 @@ GLuint CompileShader(const Gl& gl, GLenum kind, const char* source) {
   return shader;
 }
 
-GLuint LinkProgram(const Gl& gl, const char* fragment_source) {
+GLuint LinkProgram(const Gl& gl, const std::string& fragment_source) {
   const GLuint program = gl.CreateProgram();
-  gl.AttachShader(program, CompileShader(gl, GL_VERTEX_SHADER, kVertexShader));
-  gl.AttachShader(program, CompileShader(gl, GL_FRAGMENT_SHADER, fragment_source));
+  gl.AttachShader(program, CompileShader(gl, GL_VERTEX_SHADER, std::string(kVersion) + kVertexShader));
+  gl.AttachShader(program, CompileShader(gl, GL_FRAGMENT_SHADER, kVersion + fragment_source));
   gl.LinkProgram(program);
   GLint linked = 0;
   gl.GetProgramiv(program, GL_LINK_STATUS, &linked);
@@ -178,6 +182,15 @@ class Pyramid {
   std::array<Vector3d, 4> inward_C_;
 };
 
+/// From the shader's output to the camera's: room for the black level.
+std::array<std::uint8_t, 256> ToneTable() {
+  std::array<std::uint8_t, 256> tone{};
+  for (std::size_t i = 0; i < tone.size(); ++i) {
+    tone[i] = static_cast<std::uint8_t>(std::lround(255.0 * kBlack + static_cast<double>(i) * (1.0 - kBlack)));
+  }
+  return tone;
+}
+
 /// MuJoCo loads OpenGL's entry points into globals whenever it makes a context.
 std::mutex& ContextMutex() {
   static std::mutex mutex;
@@ -204,7 +217,6 @@ class Renderer::Impl {
     if (mujoco_.currentBuffer != mjFB_OFFSCREEN) {
       throw RenderingUnavailable("cameras cannot be rendered: OpenGL gives no framebuffer");
     }
-    lamp_program_ = LinkProgram(*gl_, kLampShader);
     depth_program_ = LinkProgram(*gl_, kDepthShader);
     mjv_defaultScene(&scene_);
     mjv_makeScene(&scenery_->model(), &scene_, static_cast<int>(scenery_->pieces().size()));
@@ -226,15 +238,13 @@ class Renderer::Impl {
     Check(view);
     if (lamps.p_WLamp.size() > kMaxLamps) throw std::invalid_argument("more lamps than a renderer can light");
     const OffscreenContext::Current current(context_);
-    gl_->UseProgram(lamp_program_);
-    SetLamps(view, lamps);
-    const cv::Mat pixels = Draw(view, lamp_program_);
+    const GLuint program = LampProgram(lamps.p_WLamp.size());
+    gl_->UseProgram(program);
+    SetLamps(view, lamps, program);
+    const cv::Mat pixels = Draw(view, program);
     cv::Mat image(pixels.size(), CV_8UC3);
     // OpenGL's rows run upward. The black level is added here, so that empty and unlit pixels agree.
-    std::array<std::uint8_t, 256> tone{};
-    for (std::size_t i = 0; i < tone.size(); ++i) {
-      tone[i] = static_cast<std::uint8_t>(std::lround(255.0 * kBlack + static_cast<double>(i) * (1.0 - kBlack)));
-    }
+    static const std::array<std::uint8_t, 256> tone = ToneTable();
     for (int row = 0; row < image.rows; ++row) {
       const auto* from = pixels.ptr<cv::Vec4b>(image.rows - 1 - row);
       auto* to = image.ptr<cv::Vec3b>(row);
@@ -242,6 +252,8 @@ class Renderer::Impl {
         to[col] = {tone[from[col][0]], tone[from[col][1]], tone[from[col][2]]};
       }
     }
+    // No lens is sharper than a pixel; without this, edges would be jagged.
+    cv::GaussianBlur(image, image, cv::Size(3, 3), 0.6);
     return image;
   }
 
@@ -271,23 +283,35 @@ class Renderer::Impl {
     }
   }
 
-  void SetLamps(const CameraView& view, const Lamps& lamps) const {
+  /// The shader for so many lamps. None is drawn as one that is switched off.
+  GLuint LampProgram(std::size_t count) {
+    GLuint& program = lamp_programs_[count];
+    if (program == 0) {
+      program = LinkProgram(*gl_, fmt::format("#define LAMPS {}\n", std::max<std::size_t>(count, 1)) + kLampShader);
+    }
+    return program;
+  }
+
+  void SetLamps(const CameraView& view, const Lamps& lamps, GLuint program) const {
     // Camera frame C to OpenGL's eye frame E: y and z are turned round.
     Eigen::Matrix3d R_EW = view.X_WC.linear().transpose();
     R_EW.row(1) *= -1.0;
     R_EW.row(2) *= -1.0;
-    std::array<Eigen::Vector3f, kMaxLamps> p_ELamp{};
+    std::array<Eigen::Vector3f, kMaxLamps> p_ELamp{Eigen::Vector3f(0.0f, 0.0f, 1.0f)};
     for (std::size_t i = 0; i < lamps.p_WLamp.size(); ++i) {
       p_ELamp[i] = (R_EW * (lamps.p_WLamp[i] - view.X_WC.translation())).cast<float>();
     }
+    const auto count = std::max(static_cast<GLint>(lamps.p_WLamp.size()), 1);
+    Eigen::Vector3f p_EMiddle = Eigen::Vector3f::Zero();
+    for (int i = 0; i < count; ++i) p_EMiddle += p_ELamp[static_cast<std::size_t>(i)] / static_cast<float>(count);
     const Eigen::Vector3f direction_E = (R_EW * lamps.direction_W.normalized()).cast<float>();
-    const auto count = static_cast<GLint>(lamps.p_WLamp.size());
-    const auto at = [&](const char* name) { return gl_->GetUniformLocation(lamp_program_, name); };
+    const double radiance = lamps.p_WLamp.empty() ? 0.0 : kExposure * lamps.brightness / count;
+    const auto at = [&](const char* name) { return gl_->GetUniformLocation(program, name); };
     gl_->Uniform1i(at("pattern"), 0);
-    gl_->Uniform1i(at("lamp_count"), count);
-    if (count > 0) gl_->Uniform3fv(at("p_ELamp"), count, p_ELamp[0].data());
+    gl_->Uniform3fv(at("p_ELamp"), count, p_ELamp[0].data());
+    gl_->Uniform3fv(at("p_EMiddle"), 1, p_EMiddle.data());
     gl_->Uniform3fv(at("direction_E"), 1, direction_E.data());
-    gl_->Uniform1f(at("radiance"), static_cast<float>(kExposure * lamps.brightness / std::max(count, 1)));
+    gl_->Uniform1f(at("radiance"), static_cast<float>(radiance));
   }
 
   /// Draws with the bound program and reads back: BGRA, the lowest row first.
@@ -330,7 +354,7 @@ class Renderer::Impl {
   }
 
   /// Walls 0.3 to 0.6 m ahead of the nominal lamps come out mid-grey.
-  static constexpr double kExposure = 0.5;
+  static constexpr double kExposure = 0.25;
 
   std::shared_ptr<const Scenery> scenery_;
   RendererOptions options_;
@@ -338,7 +362,7 @@ class Renderer::Impl {
   std::optional<Gl> gl_;
   mjrContext mujoco_{};
   mjvScene scene_{};
-  GLuint lamp_program_{};
+  std::array<GLuint, kMaxLamps + 1> lamp_programs_{};   ///< by the number of lamps, 0 where not yet needed
   GLuint depth_program_{};
 };
 

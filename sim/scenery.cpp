@@ -6,11 +6,11 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <stdexcept>
 #include <string>
-#include <tuple>
 #include <unordered_map>
 #include <utility>
 
@@ -68,9 +68,14 @@ Paint PaintOf(const Sewer& sewer, std::size_t index, const SceneryOptions& optio
     case Feature::kInlet:
       paint.look = {Pattern::kConcrete, {0.26f, 0.22f, 0.18f}, 0.2f, 0.6f};
       break;
-    case Feature::kChannel:
-      paint.look = {Pattern::kConcrete, {0.50f, 0.44f, 0.36f}, 0.35f, 0.8f};
-      [[fallthrough]];
+    case Feature::kChannel: {
+      // A channel goes on as its pipe does, deposit and all, in cement.
+      const auto turn_m = static_cast<float>(2.0 * std::numbers::pi * primitive.radius_m);
+      paint.look = PipeWallLook(network::Material::kConcrete);
+      paint.period_m = {2.0f * turn_m, turn_m};
+      paint.offset.x() = static_cast<float>(random.Uniform(0.0, 1.0));
+      break;
+    }
     case Feature::kShaft:
       paint.offset = {static_cast<float>(random.Uniform(0.0, 1.0)), static_cast<float>(random.Uniform(0.0, 1.0))};
       break;
@@ -80,7 +85,7 @@ Paint PaintOf(const Sewer& sewer, std::size_t index, const SceneryOptions& optio
 }
 
 Vector3d Middle(const SurfaceMesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
-  return (mesh.positions[triangle[0]] + mesh.positions[triangle[1]] + mesh.positions[triangle[2]]).cast<double>() / 3.0;
+  return (mesh.positions[triangle[0]] + mesh.positions[triangle[1]] + mesh.positions[triangle[2]]) / 3.0;
 }
 
 /// Cuts the wall into one mesh for each primitive and stretch of `chunk_m` along it.
@@ -97,7 +102,7 @@ std::vector<Visual> CutWall(const Sewer& sewer, const SurfaceMesh& mesh, const S
     const Paint paint = PaintOf(sewer, key.first, options);
     Visual& visual = visuals.emplace_back();
     visual.look = paint.look;
-    visual.mesh.p_WO = mesh.positions[mesh.triangles[triangles.front()][0]].cast<double>();
+    visual.mesh.p_WO = mesh.positions[mesh.triangles[triangles.front()][0]];
     std::unordered_map<std::uint32_t, std::uint32_t> renumbered;
     for (const std::size_t t : triangles) {
       auto& triangle = visual.mesh.triangles.emplace_back();
@@ -107,8 +112,7 @@ std::vector<Visual> CutWall(const Sewer& sewer, const SurfaceMesh& mesh, const S
             renumbered.try_emplace(vertex, static_cast<std::uint32_t>(visual.mesh.positions.size()));
         triangle[corner] = found->second;
         if (!is_new) continue;
-        visual.mesh.positions.push_back(
-            (mesh.positions[vertex].cast<double>() - visual.mesh.p_WO).cast<float>());
+        visual.mesh.positions.push_back((mesh.positions[vertex] - visual.mesh.p_WO).cast<float>());
         visual.mesh.normals.push_back(mesh.normals[vertex]);
         visual.mesh.texture.push_back(mesh.surface_m[vertex].cwiseQuotient(paint.period_m) + paint.offset);
       }
@@ -117,27 +121,36 @@ std::vector<Visual> CutWall(const Sewer& sewer, const SurfaceMesh& mesh, const S
   return visuals;
 }
 
-std::vector<Visual> BuildVisuals(const Sewer& sewer, const SurfaceMesh& mesh, const SceneryOptions& options) {
-  std::vector<Visual> faults;
+/// Faults and the dirt at joints.
+std::vector<Visual> BuildDetails(const Sewer& sewer, const SceneryOptions& options) {
+  std::vector<Visual> details;
+  const auto keep = [&](std::vector<Visual> some) { std::ranges::move(some, std::back_inserter(details)); };
   for (std::size_t i = 0; i < sewer.network.pipes.size(); ++i) {
     const network::Pipe& pipe = sewer.network.pipes[i];
+    const double radius_m = pipe.diameter_m / 2.0;
     for (const network::Fault& fault : pipe.faults) {
       RandomStream random(options.seed, fmt::format("fault {} {}", pipe.name, fault.name));
-      for (Visual& visual : BuildFault(sewer.axes[i], pipe.diameter_m / 2.0, fault, random)) {
-        faults.push_back(std::move(visual));
-      }
+      keep(BuildFault(sewer.axes[i], radius_m, fault, random));
+    }
+    for (std::size_t k = 0; k < pipe.joints.size(); ++k) {
+      RandomStream random(options.seed, fmt::format("joint {} {}", pipe.name, k));
+      keep(BuildJointRims(sewer.axes[i], radius_m, pipe.joints[k], random));
     }
   }
-  std::vector<Visual> visuals = CutWall(sewer, mesh, options, options.chunk_length_m);
-  for (double chunk_m = options.chunk_length_m; visuals.size() + faults.size() > kMostMeshes;) {
-    chunk_m *= 2.0;
-    if (sewer.voids.size() + faults.size() > kMostMeshes && chunk_m > 1e4) {
-      throw std::invalid_argument(fmt::format("a scenery holds {} pieces at most: give it the part of the network "
-                                              "that the mission can reach", kMostMeshes));
-    }
-    visuals = CutWall(sewer, mesh, options, chunk_m);
+  return details;
+}
+
+std::vector<Visual> BuildVisuals(const Sewer& sewer, const SurfaceMesh& mesh, const SceneryOptions& options) {
+  std::vector<Visual> visuals = BuildDetails(sewer, options);
+  const std::size_t detail_count = visuals.size();
+  if (detail_count + sewer.voids.size() > kMostMeshes) {
+    throw std::invalid_argument(fmt::format(
+        "a scenery holds {} pieces at most: give it the part of the network that the mission can reach", kMostMeshes));
   }
-  std::move(faults.begin(), faults.end(), std::back_inserter(visuals));
+  double chunk_m = options.chunk_length_m;
+  std::vector<Visual> wall = CutWall(sewer, mesh, options, chunk_m);
+  while (detail_count + wall.size() > kMostMeshes) wall = CutWall(sewer, mesh, options, chunk_m *= 2.0);
+  std::ranges::move(wall, std::back_inserter(visuals));
   return visuals;
 }
 
