@@ -56,9 +56,9 @@ const Look kDampStain = RoughLook({0.26f, 0.18f, 0.11f}, 0.5f, 0.3f);
 const Look kBrokenEdge = RoughLook({0.85f, 0.80f, 0.70f}, 0.1f);
 const Look kLime = RoughLook({0.90f, 0.84f, 0.72f}, 0.3f, 0.6f);
 const Look kRootBark = RoughLook({0.55f, 0.36f, 0.20f}, 0.15f, 0.6f);
-const Look kMortar = RoughLook({0.70f, 0.68f, 0.63f}, 0.05f);
-const Look kGrease = RoughLook({0.95f, 0.84f, 0.58f}, 0.8f, 0.5f);
-const Look kStone = RoughLook({0.62f, 0.44f, 0.28f}, 0.15f);
+const Look kMortar = RoughLook({0.70f, 0.68f, 0.63f}, 0.05f, 0.45f);
+const Look kGrease = RoughLook({0.95f, 0.84f, 0.58f}, 0.6f, 0.2f);
+const Look kStone = RoughLook({0.62f, 0.44f, 0.28f}, 0.15f, 0.45f);
 const Look kPipeEnd = RoughLook({0.78f, 0.44f, 0.24f}, 0.4f, 0.2f);
 
 /// Collects vertices about the first one.
@@ -149,7 +149,9 @@ Visual Patch(const RolledWall& wall, const Vector2d& half_size_m, double raggedn
       const double reach = out * std::max(0.3, 1.0 + raggedness * outline.At(angle));
       const Vector2d place = reach * Vector2d(std::cos(angle), std::sin(angle));
       const Vector2d uv = half_size_m.cwiseProduct(place);
-      builder.Add(wall.At(uv, height(out, place)), uv + texture_offset);
+      // The height stretches the texture too, or it would smear down steep sides.
+      const double height_m = height(out, place);
+      builder.Add(wall.At(uv, height_m), uv + texture_offset + Vector2d::Constant(height_m));
     }
   }
   const auto at = [](int ring, std::uint32_t sector) {

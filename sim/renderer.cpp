@@ -241,7 +241,7 @@ class Renderer::Impl {
     const GLuint program = LampProgram(lamps.p_WLamp.size());
     gl_->UseProgram(program);
     SetLamps(view, lamps, program);
-    const cv::Mat pixels = Draw(view, program);
+    const cv::Mat& pixels = Draw(view, program);
     cv::Mat image(pixels.size(), CV_8UC3);
     // OpenGL's rows run upward. The black level is added here, so that empty and unlit pixels agree.
     static const std::array<std::uint8_t, 256> tone = ToneTable();
@@ -261,7 +261,7 @@ class Renderer::Impl {
     Check(view);
     const OffscreenContext::Current current(context_);
     gl_->UseProgram(depth_program_);
-    const cv::Mat pixels = Draw(view, depth_program_);
+    const cv::Mat& pixels = Draw(view, depth_program_);
     cv::Mat depth(pixels.size(), CV_32F);
     for (int row = 0; row < depth.rows; ++row) {
       const auto* from = pixels.ptr<cv::Vec4b>(depth.rows - 1 - row);
@@ -315,16 +315,16 @@ class Renderer::Impl {
   }
 
   /// Draws with the bound program and reads back: BGRA, the lowest row first.
-  cv::Mat Draw(const CameraView& view, GLuint program) {
+  const cv::Mat& Draw(const CameraView& view, GLuint program) {
     gl_->Uniform1f(gl_->GetUniformLocation(program, "reach"), static_cast<float>(kReach_m));
     SetCamera(view);
     ChoosePieces(view);
     const mjrRect viewport{0, 0, view.width_px, view.height_px};
     mjr_setBuffer(mjFB_OFFSCREEN, &mujoco_);
     mjr_render(viewport, &scene_, &mujoco_);
-    cv::Mat pixels(view.height_px, view.width_px, CV_8UC4);
-    gl_->ReadPixels(0, 0, view.width_px, view.height_px, GL_BGRA, GL_UNSIGNED_BYTE, pixels.data);
-    return pixels;
+    pixels_.create(view.height_px, view.width_px, CV_8UC4);
+    gl_->ReadPixels(0, 0, view.width_px, view.height_px, GL_BGRA, GL_UNSIGNED_BYTE, pixels_.data);
+    return pixels_;
   }
 
   /// The camera stands at OpenGL's origin and the scene is moved to it: single precision then suffices anywhere.
@@ -364,6 +364,7 @@ class Renderer::Impl {
   mjvScene scene_{};
   std::array<GLuint, kMaxLamps + 1> lamp_programs_{};   ///< by the number of lamps, 0 where not yet needed
   GLuint depth_program_{};
+  cv::Mat pixels_;
 };
 
 Renderer::Renderer(std::shared_ptr<const Scenery> scenery, const RendererOptions& options)
