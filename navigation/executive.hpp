@@ -1,11 +1,14 @@
 #pragma once
 
 #include <deque>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "navigation/localiser.hpp"
 #include "navigation/map.hpp"
 #include "navigation/parameters.hpp"
+#include "navigation/ring_tracker.hpp"
 #include "perception/observations.hpp"
 #include "robot/readings.hpp"
 
@@ -13,48 +16,113 @@ namespace kantaro::navigation {
 
 /// Where the robot believes to be: on a leg of its route.
 struct Estimate {
-  std::size_t leg{};              ///< index into the route's legs
-  double distance_m{};            ///< of the base's origin from the wall of the manhole where the leg begins
-  double deviation_m{};           ///< standard deviation of the distance
-  double leg_length_m{};          ///< as believed now: from the map, or as driven once the end was seen
+  std::size_t leg{};        ///< index into the route's legs
+  double distance_m{};      ///< of the base's origin from the wall of the manhole where the leg begins
+  double deviation_m{};     ///< standard deviation of the distance
+  double leg_length_m{};    ///< wall to wall, as believed now; a larger distance means inside the end manhole
 };
 
 /// What the executive is doing.
-enum class Phase { kStarting, kDriving, kApproaching, kBackingUp, kTurning, kLeaving, kArrived, kFailed };
+enum class Phase { kDriving, kBackingUp, kTurning, kLeaving, kArrived, kFailed };
 [[nodiscard]] std::string ToString(Phase phase);
 
 /// Something worth telling: a landmark passed, a turn begun, a reason for stopping.
 struct Event {
+  enum class Kind { kLandmark, kManoeuvre, kTrouble, kArrival };
   robot::RunTime time{};
-  enum class Kind { kLandmark, kManoeuvre, kTrouble, kArrival } kind{Kind::kLandmark};
+  Kind kind{Kind::kLandmark};
   std::string text;
 };
 
-/// Follows a route by landmarks: a pure step from observation to command. It never calls a clock and knows no truth.
+/// Follows a route by landmarks: a pure step from observation to command. It calls no clock and knows no truth.
 ///
-/// Localisation: wheel travel, corrected where the laser passes manhole walls and inlets and where joints come up in
-/// the camera (thesis 4.3, 5.5). Turning: the laser at the rear sees a junction only when the robot has entered it; it
-/// then backs up as far as the geometry needs and turns through the channel (thesis 5.6). Without laser, IR and
-/// cameras it can only trust wheels and map, and acts at the map's distances.
+/// Where it is: wheel travel, corrected where laser and IR pass the walls of manholes and inlets and where joints and
+/// mouths come up in the camera (thesis 4.3, 5.5). How it turns at a junction: the laser at the rear sees the junction
+/// only when the robot has entered it, so it backs up as far as the geometry needs and then turns through the channel
+/// (thesis 5.6). At a curve, which leaves no choice, it steers as soon as the front wheels reach the bend. In a pipe it
+/// keeps itself upright by steering against its roll.
+///
+/// It makes a turn only where a sensor confirms the manhole. With laser, IR and camera all silent nothing can; then it
+/// trusts wheels and map and acts at the map's distances.
 class Executive {
  public:
-  Executive(MapRoute route, double goal_distance_m, RobotGeometry geometry, Parameters parameters);
+  /// @param start_distance_m  of the base's origin from the start manhole's wall along the first leg, as set down.
+  /// @throws std::invalid_argument for a route without legs.
+  Executive(MapRoute route, double start_distance_m, const RobotGeometry& geometry, const Parameters& parameters);
 
-  /// Takes one observation; the command holds until the next.
+  /// Takes one observation, in order of arrival; the command holds until the next.
   [[nodiscard]] robot::Command Step(const perception::Observation& observation);
 
-  [[nodiscard]] const Estimate& estimate() const { return estimate_; }
+  [[nodiscard]] Estimate estimate() const;
   [[nodiscard]] Phase phase() const { return phase_; }
   [[nodiscard]] bool finished() const { return phase_ == Phase::kArrived || phase_ == Phase::kFailed; }
+  [[nodiscard]] const MapRoute& route() const { return route_; }
   /// Diameter of the pipe the robot believes to be in [m], for perception.
-  [[nodiscard]] double pipe_diameter_m() const;
+  [[nodiscard]] double pipe_diameter_m() const { return Leg().diameter_m; }
   /// Events since the last call, in order.
   [[nodiscard]] std::vector<Event> TakeEvents();
 
  private:
+  /// Steering as a share of the speed: the left wheels run at (1 − s) times it, the right at (1 + s).
+  struct Drive {
+    double speed_m_s{};
+    double steer{};
+  };
+
+  void See(const perception::OdometryObservation& odometry);
+  void See(const perception::LaserObservation& laser);
+  void See(const perception::IrObservation& infrared);
+  void See(const perception::RingObservation& rings);
+  void See(const perception::FaultObservation&) {}
+  void See(const perception::AttitudeObservation& attitude);
+
+  void SeeWindow(const perception::WindowEdge& edge);
+  void SeeEndWall(double sensor_x_m, double travelled_since_m, const char* sensor);
+  void SeeInlet(bool left, double passed_m);
+
+  void Decide();
+  void DecideDriving();
+  void DecideTurning();
+  [[nodiscard]] Drive Act() const;
+
+  void Enter(Phase phase, const std::string& why);
+  void Report(Event::Kind kind, const std::string& text);
+  void BeginNextLeg(double distance_m, double deviation_m);
+
+  [[nodiscard]] const MapLeg& Leg() const { return route_.legs[leg_]; }
+  [[nodiscard]] bool OnLastLeg() const { return leg_ + 1 == route_.legs.size(); }
+  [[nodiscard]] bool TurnsHere() const { return Leg().turn_rad != 0.0; }
+  [[nodiscard]] bool IsJunction() const;
+  /// Distance to drive, in the leg's coordinate, to where steering into the turn begins.
+  [[nodiscard]] double TurnStart_m() const;
+  /// Wheel travel since an earlier time, times the learned scale.
+  [[nodiscard]] double TravelSince(robot::RunTime time) const;
+  [[nodiscard]] bool Silent(const std::optional<robot::RunTime>& heard) const;
+  /// No sensor that could confirm a landmark is left.
+  [[nodiscard]] bool Blind() const;
+  [[nodiscard]] double Gate(double deviation_m) const { return parameters_.gate_deviations * deviation_m; }
+
   MapRoute route_;
-  Estimate estimate_;
-  Phase phase_{Phase::kStarting};
+  RobotGeometry geometry_;
+  Parameters parameters_;
+
+  std::size_t leg_{};
+  Localiser localiser_;
+  RingTracker rings_;
+  Phase phase_{Phase::kDriving};
+  robot::RunTime now_{};
+  std::optional<robot::RunTime> laser_heard_, infrared_heard_, camera_heard_;
+  std::deque<std::pair<robot::RunTime, double>> travel_;   ///< of the last second: (time, wheel travel)
+  std::optional<perception::AttitudeObservation> attitude_;
+
+  bool end_wall_seen_{};        ///< by laser or IR, on this leg
+  bool junction_seen_{};        ///< on the side of the turn
+  bool top_open_{};             ///< to the laser, settled
+  std::optional<robot::RunTime> side_opened_left_, side_opened_right_;
+  bool infrared_up_{};
+  double heading_rad_{};        ///< turned since the last manoeuvre began or, driving, since the manhole was entered
+  double turn_began_m_{};       ///< distance at which the turn began
+  std::vector<Event> events_;
 };
 
 }  // namespace kantaro::navigation

@@ -76,12 +76,6 @@ struct OdometryObservation {
   double travel_m{}, left_m{}, right_m{};
 };
 
-/// Turn rate about the base's z [rad/s].
-struct TurnRateObservation {
-  robot::RunTime captured_at{};
-  double yaw_rate_rad_s{};
-};
-
 /// How the robot lies and turns, from gyro and accelerometer.
 struct AttitudeObservation {
   robot::RunTime captured_at{};
@@ -91,7 +85,6 @@ struct AttitudeObservation {
 };
 
 using Observation = std::variant<LaserObservation, IrObservation, RingObservation, FaultObservation,
-                                 OdometryObservation, TurnRateObservation,
-                                 AttitudeObservation>;
+                                 OdometryObservation, AttitudeObservation>;
 
 }  // namespace kantaro::perception

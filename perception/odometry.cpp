@@ -39,12 +39,4 @@ OdometryObservation Odometry::Travel(const robot::WheelEncoders& encoders,
   return observation;
 }
 
-TurnRateObservation TurnRate(const robot::InertialReading& reading, robot::RunTime captured_at) {
-  const double rate_rad_s = reading.angular_velocity_rad_s.z();
-  if (!std::isfinite(rate_rad_s)) {
-    throw std::invalid_argument("the gyro's rate is not a finite number");
-  }
-  return {captured_at, rate_rad_s};
-}
-
 }  // namespace kantaro::perception

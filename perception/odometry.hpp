@@ -24,8 +24,4 @@ class Odometry {
   std::array<double, 4> radius_m_{};
 };
 
-/// The gyro's rate about the base's z. @throws std::invalid_argument if it is not finite.
-[[nodiscard]] TurnRateObservation TurnRate(const robot::InertialReading& reading,
-                                           robot::RunTime captured_at);
-
 }  // namespace kantaro::perception

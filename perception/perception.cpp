@@ -56,7 +56,7 @@ std::vector<Observation> Perception::Process(const robot::Reading& reading) {
         } else if constexpr (std::is_same_v<Value, robot::WheelEncoders>) {
           return {odometry_.Travel(value, at)};
         } else if constexpr (std::is_same_v<Value, robot::InertialReading>) {
-          return {TurnRate(value, at)};
+          return {attitude_.Update(value, at)};
         } else {
           static_assert(std::is_same_v<Value, robot::StereoPair>);
           return {};

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "perception/attitude.hpp"
 #include "perception/ir_landmarks.hpp"
 #include "perception/laser_landmarks.hpp"
 #include "perception/observations.hpp"
@@ -32,7 +33,7 @@ class Perception {
   /// - LaserRevolution: a LaserObservation with the edges it settled; nothing if a window holds no
   /// sample;
   /// - IrRanges: an IrObservation; WheelEncoders: an OdometryObservation; InertialReading: a
-  /// TurnRateObservation;
+  /// AttitudeObservation;
   /// - StereoPair: nothing. Localisation here is by the front camera (thesis chapter 4), not by
   /// stereo (chapter 5).
   /// @throws std::invalid_argument for a front image of another type or size than the camera's, or
@@ -49,6 +50,7 @@ class Perception {
   robot::Camera camera_;
   Parameters parameters_;
   Odometry odometry_;
+  AttitudeFilter attitude_;
   LaserTracker laser_;
   IrLandmarks ir_;
   std::optional<double> pipe_diameter_m_;

@@ -10,18 +10,18 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "perception/brightness.hpp"
 
 namespace kantaro::perception {
 namespace {
 
-constexpr int kDirections = 144;               // one each 2.5°
-constexpr int kUpperSector = kDirections / 5;  // directions to either side of the crown: ±72°
+constexpr int kDirections = 144;    // one each 2.5°
 constexpr int kReach = 12;          // the step's stencil looks so far along the radius [px]
 constexpr int kCenterStep = 2;      // of the coarse search [px]
 constexpr double kDarkFloor = 4.0;  // grey levels added before the logarithm: tames dark noise
-constexpr float kLargestLine = 0.25F, kLargestStep = 0.40F;  // contrast at which a vote saturates
+constexpr float kLargestLine = 0.40F, kLargestStep = 0.40F;  // contrast at which a vote saturates
 constexpr float kLargestContrast = 1.0F;     // in the close-up, where line and step are compared
 constexpr double kVotesPerContrast = 500.0;  // 144 directions of the largest line fit 16 bits
 constexpr double kLeastVisible = 0.35;       // share of a circle that must lie in the image
@@ -41,7 +41,36 @@ const std::array<cv::Point2d, kDirections>& Directions() {
   return directions;
 }
 
-bool IsUpper(int t) { return t <= kUpperSector || t >= kDirections - kUpperSector; }
+/// Directions in which a ring has one sign, group by group.
+using Groups = std::vector<std::vector<int>>;
+
+/// A joint's line: one sign all round.
+const Groups& AllRound() {
+  static const Groups groups = [] {
+    Groups result(1);
+    for (int t = 0; t < kDirections; ++t) result[0].push_back(t);
+    return result;
+  }();
+  return groups;
+}
+
+/// A mouth's step: crown (±45°) and both shoulders (to 85°). Beyond a mouth a ray over the crown
+/// meets the far wall of the shaft, one over a shoulder the upright side of the channel: one may be
+/// brighter than the pipe's wall and the other darker. Lower down the channel goes on like the
+/// pipe.
+const Groups& CrownAndShoulders() {
+  static const Groups groups = [] {
+    Groups result(3);
+    for (int off = -34; off <= 34; ++off) {
+      result[std::abs(off) <= 18 ? 0
+             : off > 0           ? 1
+                                 : 2]
+          .push_back((off + kDirections) % kDirections);
+    }
+    return result;
+  }();
+  return groups;
+}
 
 cv::Mat LogBrightness(const cv::Mat& brightness) {
   cv::Mat table(1, 256, CV_32F), result;
@@ -59,6 +88,7 @@ struct Polar {
   int first_px{};
 
   [[nodiscard]] int columns() const { return value.cols; }
+  [[nodiscard]] bool Visible(int t, int k) const { return visible.at<std::uint8_t>(t, k) != 0; }
 };
 
 Polar Unroll(const cv::Mat& log_brightness, cv::Point2d center, int first_px, int last_px) {
@@ -83,6 +113,7 @@ struct Optics {
   cv::Point2d center_px;
   double ring_px_m{};  ///< radius times distance
   double groove_m{};
+  double bow{};  ///< pipe radius / (2 shaft radius * focal length) [1/px]
 
   [[nodiscard]] double LineWidth(double radius_px) const {
     return groove_m * radius_px * radius_px / ring_px_m;
@@ -99,7 +130,7 @@ struct Contrasts {
   cv::Mat line, step;  ///< CV_32F, like the polar picture
 };
 
-/// Contrasts beyond the largest are cut: no pixel has more than one vote.
+/// Contrasts are cut at the largest: no pixel has more than one vote.
 Contrasts Measure(const Polar& polar, const Optics& optics, float largest_line,
                   float largest_step) {
   Contrasts contrasts{cv::Mat::zeros(polar.value.size(), CV_32F),
@@ -107,7 +138,6 @@ Contrasts Measure(const Polar& polar, const Optics& optics, float largest_line,
   std::vector<float> sums(static_cast<std::size_t>(polar.columns()) + 1);
   for (int t = 0; t < kDirections; ++t) {
     const float* value = polar.value.ptr<float>(t);
-    const std::uint8_t* visible = polar.visible.ptr<std::uint8_t>(t);
     float* line = contrasts.line.ptr<float>(t);
     float* step = contrasts.step.ptr<float>(t);
     for (int k = 0; k < polar.columns(); ++k) sums[k + 1] = sums[k] + value[k];
@@ -115,7 +145,7 @@ Contrasts Measure(const Polar& polar, const Optics& optics, float largest_line,
       return (sums[to + 1] - sums[from]) / static_cast<float>(to - from + 1);
     };
     for (int k = kReach; k < polar.columns() - kReach; ++k) {
-      if (!visible[k]) continue;
+      if (!polar.Visible(t, k)) continue;
       const int flank = optics.LineFlank(polar.first_px + k), half = (flank - 1) / 2;
       line[k] = std::clamp(mean(k - half, k + half) - (value[k - flank] + value[k + flank]) / 2,
                            -largest_line, largest_line);
@@ -129,83 +159,71 @@ Contrasts Measure(const Polar& polar, const Optics& optics, float largest_line,
   return contrasts;
 }
 
-/// The strongest circle at each radius, one entry a pixel from first_px.
-struct Spectrum {
-  struct Best {
-    double contrast{};  ///< absolute mean
-    cv::Point offset;   ///< of the circle's centre from the principal point
-  };
-  int first_px{};
-  std::vector<Best> line, step;
+/// The strongest circle of one radius.
+struct Best {
+  double contrast{};  ///< mean over the groups' directions, each group's sum without its sign
+  cv::Point offset;   ///< of the circle's centre from the principal point
 };
 
-/// Votes of the directions in one set, summed along shifted rows.
-class Accumulator {
- public:
-  Accumulator(const cv::Mat& contrast, bool upper_only)
-      : votes_(contrast.size(), CV_16S), upper_only_(upper_only) {
-    contrast.convertTo(votes_, CV_16S, kVotesPerContrast);
+/// Adds the votes of one group for circles of columns first … last about a centre `offset` away,
+/// exact at `radius_px`. @pre rows go on for `pad` columns before first and after last.
+void AddVotes(const cv::Mat& votes, const std::vector<int>& group, cv::Point offset,
+              double radius_px, int first, int last, int pad, std::vector<std::int16_t>& sums) {
+  std::fill(sums.begin() + first, sums.begin() + last + 1, std::int16_t{0});
+  for (const int t : group) {
+    const cv::Point2d u = Directions()[t];
+    const double along = offset.x * u.x + offset.y * u.y;
+    const double across = offset.x * u.y - offset.y * u.x;
+    const int shift = std::clamp(
+        static_cast<int>(std::lround(along - across * across / (2 * radius_px))), -pad, pad);
+    const std::int16_t* row = votes.ptr<std::int16_t>(t) + shift;
+    std::int16_t* sum = sums.data();
+    for (int k = first; k <= last; ++k) sum[k] = static_cast<std::int16_t>(sum[k] + row[k]);
   }
+}
 
-  /// Sums for circles of radius column first … last about a centre `offset` away, exact at
-  /// `radius_px`.
-  /// @pre rows go on for `pad` columns before `first` and after `last`.
-  void Sum(cv::Point offset, double radius_px, int first, int last, int pad,
-           std::vector<std::int16_t>& sums) const {
-    std::fill(sums.begin() + first, sums.begin() + last + 1, std::int16_t{0});
-    for (int t = 0; t < kDirections; ++t) {
-      if (upper_only_ && !IsUpper(t)) continue;
-      const cv::Point2d u = Directions()[t];
-      const double along = offset.x * u.x + offset.y * u.y;
-      const double across = offset.x * u.y - offset.y * u.x;
-      const int shift = std::clamp(
-          static_cast<int>(std::lround(along - across * across / (2 * radius_px))), -pad, pad);
-      const std::int16_t* row = votes_.ptr<std::int16_t>(t) + shift;
-      std::int16_t* sum = sums.data();
-      for (int k = first; k <= last; ++k) sum[k] = static_cast<std::int16_t>(sum[k] + row[k]);
-    }
-  }
-
- private:
-  cv::Mat votes_;
-  bool upper_only_;
-};
-
-std::vector<int> VisibleDirections(const Polar& polar, bool upper_only) {
+/// Visible directions at each column.
+std::vector<int> CountVisible(const Polar& polar, const Groups& groups) {
   std::vector<int> counts(static_cast<std::size_t>(polar.columns()));
-  for (int t = 0; t < kDirections; ++t) {
-    if (upper_only && !IsUpper(t)) continue;
-    for (int k = 0; k < polar.columns(); ++k) counts[k] += polar.visible.at<std::uint8_t>(t, k);
+  for (const auto& group : groups) {
+    for (const int t : group) {
+      for (int k = 0; k < polar.columns(); ++k) counts[k] += polar.Visible(t, k);
+    }
   }
   return counts;
 }
 
-/// Hough transform: columns first … last of the polar picture, which goes on for `first` columns
-/// after the last; all centres within the search.
-std::vector<Spectrum::Best> Transform(const Polar& polar, const cv::Mat& contrast, bool upper_only,
-                                      int search_px, int first, int last) {
-  const Accumulator accumulator(contrast, upper_only);
-  const std::vector<int> visible = VisibleDirections(polar, upper_only);
-  const int all = upper_only ? 2 * kUpperSector + 1 : kDirections;
+/// Hough transform: columns pad … last of a polar picture that goes on for `pad` columns after the
+/// last; all centres within the search. One entry a column.
+std::vector<Best> Transform(const Polar& polar, const cv::Mat& contrast, const Groups& groups,
+                            int search_px, int pad, int last) {
+  cv::Mat votes;
+  contrast.convertTo(votes, CV_16S, kVotesPerContrast);
+  const std::vector<int> visible = CountVisible(polar, groups);
+  std::size_t all = 0;
+  for (const auto& group : groups) all += group.size();
   std::vector<std::int16_t> sums(static_cast<std::size_t>(polar.columns()));
-  std::vector<Spectrum::Best> best(static_cast<std::size_t>(last - first + 1));
+  std::vector<int> totals(sums.size());
+  std::vector<Best> best(static_cast<std::size_t>(last - pad + 1));
   // The shift of a row depends a little on the radius: bands of radii share one.
-  for (int begin = first; begin <= last;) {
-    const int end =
-        std::min(last, static_cast<int>((begin + polar.first_px) * 1.4) - polar.first_px);
+  for (int begin = pad, end = 0; begin <= last; begin = end + 1) {
+    end =
+        std::clamp(static_cast<int>((begin + polar.first_px) * 1.4) - polar.first_px, begin, last);
     const double radius_px = polar.first_px + (begin + end) / 2.0;
     for (int dy = -search_px; dy <= search_px; dy += kCenterStep) {
       for (int dx = -search_px; dx <= search_px; dx += kCenterStep) {
-        accumulator.Sum({dx, dy}, radius_px, begin, end, first, sums);
+        std::fill(totals.begin() + begin, totals.begin() + end + 1, 0);
+        for (const auto& group : groups) {
+          AddVotes(votes, group, {dx, dy}, radius_px, begin, end, pad, sums);
+          for (int k = begin; k <= end; ++k) totals[k] += std::abs(sums[k]);
+        }
         for (int k = begin; k <= end; ++k) {
-          if (visible[k] < kLeastVisible * all) continue;
-          const double value = std::abs(sums[k]) / (kVotesPerContrast * visible[k]);
-          Spectrum::Best& entry = best[k - first];
-          if (value > entry.contrast) entry = {value, {dx, dy}};
+          if (visible[k] < kLeastVisible * static_cast<double>(all)) continue;
+          const double value = totals[k] / (kVotesPerContrast * visible[k]);
+          if (value > best[k - pad].contrast) best[k - pad] = {value, {dx, dy}};
         }
       }
     }
-    begin = end + 1;
   }
   return best;
 }
@@ -217,18 +235,20 @@ struct Candidate {
   bool step{};        ///< rather than line
 };
 
-/// Maxima along the radius that no stronger one is near.
-std::vector<Candidate> Maxima(const Spectrum& spectrum, const Optics& optics,
+/// Maxima along the radius, from first_px on, that no stronger one is near; the strongest first.
+std::vector<Candidate> Maxima(const std::vector<Best>& line, const std::vector<Best>& step,
+                              int first_px, const Optics& optics,
                               const RingParameters& parameters) {
   std::vector<Candidate> all;
-  for (std::size_t k = 0; k < spectrum.line.size(); ++k) {
-    const double line = spectrum.line[k].contrast / parameters.joint_contrast;
-    const double step = spectrum.step[k].contrast / parameters.mouth_contrast;
-    if (std::max(line, step) < kCoarseShare) continue;
-    all.push_back({static_cast<double>(spectrum.first_px) + static_cast<double>(k),
-                   optics.center_px + cv::Point2d(line >= step ? spectrum.line[k].offset
-                                                               : spectrum.step[k].offset),
-                   std::max(line, step), step > line});
+  for (std::size_t k = 0; k < line.size(); ++k) {
+    const auto add = [&](const Best& best, double threshold, bool is_step) {
+      const double strength = best.contrast / threshold;
+      if (strength < kCoarseShare) return;
+      all.push_back({first_px + static_cast<double>(k), optics.center_px + cv::Point2d(best.offset),
+                     strength, is_step});
+    };
+    add(line[k], parameters.joint_contrast, false);
+    add(step[k], parameters.mouth_contrast, true);
   }
   std::stable_sort(all.begin(), all.end(),
                    [](const auto& a, const auto& b) { return a.strength > b.strength; });
@@ -246,67 +266,70 @@ std::vector<Candidate> Maxima(const Spectrum& spectrum, const Optics& optics,
   return maxima;
 }
 
-float Sample(const cv::Mat& row_of, int t, double k) {
-  const int below = static_cast<int>(std::floor(k));
-  const auto share = static_cast<float>(k - below);
-  const float* row = row_of.ptr<float>(t);
-  return row[below] * (1 - share) + row[below + 1] * share;
-}
+/// A circle near a candidate.
+struct Fit {
+  cv::Point2d shift;  ///< of the centre from the close-up's
+  double k{};         ///< radius minus the close-up's
+  double contrast{};  ///< as in Best
+};
 
 /// A candidate under the magnifying glass: polar picture about its own centre.
 class CloseUp {
  public:
-  static constexpr int kHalf = 16;            ///< radii to either side that can be asked for
-  static constexpr int kBorder = kReach + 5;  ///< more, for stencils and shifts
-
-  CloseUp(const cv::Mat& log_brightness, const Optics& optics, const Candidate& candidate)
-      : center_(candidate.center),
-        radius_px_(static_cast<int>(std::lround(candidate.radius_px))),
-        polar_(Unroll(log_brightness, center_, radius_px_ - kHalf - kBorder,
-                      radius_px_ + kHalf + kBorder)),
+  CloseUp(const cv::Mat& log_brightness, const Optics& optics, cv::Point2d center, double radius_px)
+      : center_(center),
+        radius_px_(static_cast<int>(std::lround(radius_px))),
+        polar_(Unroll(log_brightness, center_, radius_px_ - kHalf, radius_px_ + kHalf)),
         contrasts_(Measure(polar_, optics, kLargestContrast, kLargestContrast)) {}
 
-  /// Mean over the visible directions [of the upper sector] of a picture at radius + k, centre
-  /// shifted.
-  [[nodiscard]] double Mean(const cv::Mat& picture, bool upper_only, double k,
-                            cv::Point2d shift) const {
+  /// Mean of a picture over a group's visible directions at radius + k, centre shifted; nothing if
+  /// none is visible.
+  /// @pre |k| + |shift| < 33
+  [[nodiscard]] double Mean(const cv::Mat& picture, const std::vector<int>& group, double k,
+                            cv::Point2d shift, int* count = nullptr) const {
     double sum = 0;
-    int count = 0;
-    for (int t = 0; t < kDirections; ++t) {
-      if (upper_only && !IsUpper(t)) continue;
-      const double column = kHalf + kBorder + k + shift.dot(Directions()[t]);
-      if (!polar_.visible.at<std::uint8_t>(t, static_cast<int>(column))) continue;
+    int seen = 0;
+    for (const int t : group) {
+      const double column = kHalf + k + shift.dot(Directions()[t]);
+      if (!polar_.Visible(t, static_cast<int>(column))) continue;
       sum += Sample(picture, t, column);
-      ++count;
+      ++seen;
     }
-    return count == 0 ? 0.0 : sum / count;
+    if (count) *count = seen;
+    return seen == 0 ? 0.0 : sum / seen;
   }
 
-  /// Share of the visible directions on which the contrast, averaged over five, is that of the
-  /// ring.
-  [[nodiscard]] double Support(const cv::Mat& picture, bool upper_only, double k, cv::Point2d shift,
-                               double signed_contrast) const {
-    int on = 0, seen = 0;
-    for (int t = 0; t < kDirections; ++t) {
-      if (upper_only && !IsUpper(t)) continue;
-      double sum = 0;
+  [[nodiscard]] double Contrast(const cv::Mat& picture, const Groups& groups, double k,
+                                cv::Point2d shift) const {
+    double sum = 0;
+    int all = 0;
+    for (const auto& group : groups) {
       int count = 0;
-      for (int d = -2; d <= 2; ++d) {
-        const int s = (t + d + kDirections) % kDirections;
-        const double column = kHalf + kBorder + k + shift.dot(Directions()[s]);
-        if (!polar_.visible.at<std::uint8_t>(s, static_cast<int>(column))) continue;
-        sum += Sample(picture, s, column);
-        ++count;
-      }
-      if (count < 3) continue;
-      ++seen;
-      const double contrast = sum / count;
-      if (std::abs(contrast) >= std::abs(signed_contrast) &&
-          std::signbit(contrast) == std::signbit(signed_contrast)) {
-        ++on;
+      const double mean = Mean(picture, group, k, shift, &count);
+      sum += std::abs(mean) * count;
+      all += count;
+    }
+    return all == 0 ? 0.0 : sum / all;
+  }
+
+  /// Share of the visible directions whose contrast, averaged with four neighbours, has its group's
+  /// sign and at least this size.
+  [[nodiscard]] double Support(const cv::Mat& picture, const Groups& groups, const Fit& fit,
+                               double least_contrast) const {
+    int on = 0, all = 0;
+    for (const auto& group : groups) {
+      const double sign = std::copysign(1.0, Mean(picture, group, fit.k, fit.shift));
+      for (const int t : group) {
+        std::vector<int> neighbours;
+        for (int d = -2; d <= 2; ++d) neighbours.push_back((t + d + kDirections) % kDirections);
+        int count = 0;
+        const double contrast = Mean(picture, neighbours, fit.k, fit.shift, &count);
+        if (count < 3) continue;
+        ++all;
+        on += contrast * sign >= least_contrast;
       }
     }
-    return seen == 0 ? 0.0 : static_cast<double>(on) / seen;
+    return all == 0 ? 0.0 : static_cast<double>(on) / all;
   }
 
   [[nodiscard]] const cv::Mat& line() const { return contrasts_.line; }
@@ -316,30 +339,31 @@ class CloseUp {
   [[nodiscard]] int radius_px() const { return radius_px_; }
 
  private:
+  static constexpr int kHalf = 34;  ///< radii to either side
+
+  static float Sample(const cv::Mat& picture, int t, double k) {
+    const int below = static_cast<int>(k);
+    const auto share = static_cast<float>(k - below);
+    const float* row = picture.ptr<float>(t);
+    return row[below] * (1 - share) + row[below + 1] * share;
+  }
+
   cv::Point2d center_;
   int radius_px_;
   Polar polar_;
   Contrasts contrasts_;
 };
 
-/// The best circle of one kind near a candidate.
-struct Fit {
-  cv::Point2d shift;  ///< of the centre from the close-up's
-  double k{};         ///< radius minus the close-up's
-  double contrast{};  ///< signed mean
-};
-
-Fit Align(const CloseUp& view, const cv::Mat& picture, bool upper_only) {
+/// The circle of the largest contrast within `reach` pixels of the candidate's radius.
+Fit Align(const CloseUp& view, const cv::Mat& picture, const Groups& groups, int reach) {
   Fit best;
   const auto search = [&](cv::Point2d about, double half, double step) {
     for (double dy = -half; dy <= half; dy += step) {
       for (double dx = -half; dx <= half; dx += step) {
-        for (int k = -4; k <= 4; ++k) {
+        for (int k = -reach; k <= reach; ++k) {
           const cv::Point2d shift = about + cv::Point2d(dx, dy);
-          const double contrast = view.Mean(picture, upper_only, k, shift);
-          if (std::abs(contrast) > std::abs(best.contrast)) {
-            best = {shift, static_cast<double>(k), contrast};
-          }
+          const double contrast = view.Contrast(picture, groups, k, shift);
+          if (contrast > best.contrast) best = {shift, static_cast<double>(k), contrast};
         }
       }
     }
@@ -347,89 +371,152 @@ Fit Align(const CloseUp& view, const cv::Mat& picture, bool upper_only) {
   search({0, 0}, 2.0, 1.0);
   search(best.shift, 0.5, 0.5);
   // The maximum of a parabola through three neighbours.
-  const double before = std::abs(view.Mean(picture, upper_only, best.k - 1, best.shift));
-  const double at = std::abs(best.contrast);
-  const double after = std::abs(view.Mean(picture, upper_only, best.k + 1, best.shift));
-  const double bend = before - 2 * at + after;
+  const double before = view.Contrast(picture, groups, best.k - 1, best.shift);
+  const double after = view.Contrast(picture, groups, best.k + 1, best.shift);
+  const double bend = before - 2 * best.contrast + after;
   if (bend < 0) best.k += std::clamp((before - after) / (2 * bend), -0.5, 0.5);
   return best;
 }
 
-/// Sum of squares that a + b k + c shape(k) leaves of the upper sector's mean profile about a fit.
+/// A pipe meets the round shaft in a saddle: off the crown by the angle φ the wall reaches R² sin²φ
+/// / (2 shaft radius) farther into the shaft. Seen from inside the pipe the edge of a mouth lies so
+/// much nearer to the image's centre, that of the mouth across the manhole so much farther out.
+double Saddle(const Optics& optics, double radius_px, int t, double side) {
+  const double sine = Directions()[t].x;
+  return -side * optics.bow * radius_px * radius_px * sine * sine;
+}
+
+/// The edge of a step in each direction, by the strongest slope of its group's sign.
+struct ArcEdges {
+  std::array<double, kDirections> radius_px{}, slope{};  ///< slope 0: none
+};
+
+/// A mouth's edge: its crown and, by the saddle's side, what lies lower.
+struct Arc {
+  cv::Point2d center;
+  double radius_px{};  ///< of the ring in the plane of the crown's edge
+  double score{};      ///< slopes of the edges on it
+};
+
+/// Looks `reach` pixels to either side of where the saddle lies about an arc.
+ArcEdges FindEdges(const cv::Mat& log_brightness, const Optics& optics, const Arc& arc, int reach,
+                   const std::vector<double>& signs, double side) {
+  const int deepest = static_cast<int>(std::ceil(optics.bow * arc.radius_px * arc.radius_px));
+  const int half = reach + deepest + 3, middle = static_cast<int>(std::lround(arc.radius_px));
+  const Polar polar = Unroll(log_brightness, arc.center, middle - half, middle + half);
+  ArcEdges edges;
+  for (std::size_t group = 0; group < signs.size(); ++group) {
+    for (const int t : CrownAndShoulders()[group]) {
+      const float* value = polar.value.ptr<float>(t);
+      const int about =
+          half + static_cast<int>(std::lround(Saddle(optics, arc.radius_px, t, side)));
+      for (int k = about - reach; k <= about + reach; ++k) {
+        if (!polar.Visible(t, k)) continue;
+        const double slope =
+            signs[group] * (value[k + 1] + value[k + 2] - value[k - 1] - value[k - 2]) / 2;
+        if (slope <= edges.slope[t]) continue;
+        edges.slope[t] = slope;
+        edges.radius_px[t] = middle + k - half;
+      }
+    }
+  }
+  return edges;
+}
+
+constexpr double kOutlier_px = 2.5;
+
+/// Fits radius and centre to the edges, others weighted down by their distance, with a weak pull of
+/// the centre to the principal point.
+Arc SolveArc(const ArcEdges& edges, const Optics& optics, Arc arc, double side) {
+  constexpr double kPull_px = 20.0;
+  const double first_px = arc.radius_px;
+  const cv::Point2d first = arc.center, home = optics.center_px - arc.center;
+  for (int pass = 0; pass < 6; ++pass) {
+    const Eigen::Vector3d now(arc.radius_px, arc.center.x - first.x, arc.center.y - first.y);
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    arc.score = 0;
+    for (int t = 0; t < kDirections; ++t) {
+      if (edges.slope[t] <= 0) continue;
+      const Eigen::Vector3d row(1, Directions()[t].x, Directions()[t].y);
+      const double flat_px = edges.radius_px[t] - Saddle(optics, first_px, t, side);
+      const double off = (flat_px - row.dot(now)) / kOutlier_px;
+      const double weight = std::min(edges.slope[t], 0.5) / (1 + off * off);
+      normal += weight * row * row.transpose();
+      right += weight * flat_px * row;
+      arc.score += weight;
+    }
+    const double pull = normal(0, 0) / 69 / (kPull_px * kPull_px);  // one direction's worth
+    normal(1, 1) += pull;
+    normal(2, 2) += pull;
+    right += pull * Eigen::Vector3d(0, home.x, home.y);
+    if (!(normal(0, 0) > 0)) return arc;
+    const Eigen::Vector3d solved = normal.ldlt().solve(right);
+    arc.radius_px = solved[0];
+    arc.center = first + cv::Point2d(solved[1], solved[2]);
+  }
+  return arc;
+}
+
+/// Fits a mouth's edge, seen from the pipe that ends (side 1), from across the manhole (−1), or in
+/// a flat wall (0). An arc leaves radius and height of the centre nearly free where the step is as
+/// broad as the votes see it: slopes of two pixels pin them, and a robust fit passes over other
+/// edges. Nothing if the fit runs away.
+std::optional<Arc> FitArc(const cv::Mat& log_brightness, const Optics& optics, Arc arc,
+                          const std::vector<double>& signs, double side) {
+  const Arc start = arc;
+  for (const int reach : {14, 8, 5, 4}) {
+    const ArcEdges edges = FindEdges(log_brightness, optics, arc, reach, signs, side);
+    arc = SolveArc(edges, optics, arc, side);
+    if (!(std::abs(arc.radius_px - start.radius_px) < 0.15 * start.radius_px + 10 &&
+          cv::norm(arc.center - start.center) < 0.15 * start.radius_px + 10)) {
+      return std::nullopt;
+    }
+  }
+  return arc;
+}
+
+std::optional<Arc> BestArc(const cv::Mat& log_brightness, const Optics& optics, const Arc& start,
+                           const std::vector<double>& signs) {
+  std::optional<Arc> best;
+  for (const double side : {1.0, -1.0, 0.0}) {
+    const auto arc = FitArc(log_brightness, optics, start, signs, side);
+    if (arc && (!best || arc->score > best->score)) best = arc;
+  }
+  return best;
+}
+
+/// Sum of squares that a + b k + c shape(k) leaves of one group's mean profile about a fit.
 template <typename Shape>
-double Residual(const CloseUp& view, const Fit& fit, int half, Shape shape) {
+double Residual(const CloseUp& view, const std::vector<int>& group, const Fit& fit, int half,
+                Shape shape) {
   Eigen::MatrixX3d terms(2 * half + 1, 3);
   Eigen::VectorXd profile(2 * half + 1);
   const int middle = static_cast<int>(std::lround(fit.k));
   for (int i = -half; i <= half; ++i) {
-    profile[i + half] = view.Mean(view.value(), true, middle + i, fit.shift);
+    profile[i + half] = view.Mean(view.value(), group, middle + i, fit.shift);
     terms.row(i + half) << 1.0, i, shape(middle + i - fit.k);
   }
   const Eigen::Vector3d solved = terms.colPivHouseholderQr().solve(profile);
   return (profile - terms * solved).squaredNorm();
 }
 
-/// Whether the crown ends here (a step) rather than being crossed by a line.
-bool LooksLikeStep(const CloseUp& view, const Fit& line, const Fit& step, double line_width_px,
-                   int half) {
-  const double sigma = std::max(1.0, line_width_px / 3);
-  const double as_line = Residual(
-      view, line, half, [sigma](double k) { return std::exp(-k * k / (2 * sigma * sigma)); });
-  const double as_step =
-      Residual(view, step, half, [](double k) { return std::clamp(k / 1.5, -1.0, 1.0); });
-  return as_step < as_line;
-}
-
-/// Fits a circle to the edge of the upper sector, by the strongest slope of the step's sign in each
-/// direction. An arc leaves radius and height of the centre nearly free where the step is broad, as
-/// the votes see it: slopes of two pixels pin it, a robust fit passes over other edges, and a weak
-/// pull to the principal point settles the rest.
-Candidate FitArc(const cv::Mat& log_brightness, const Optics& optics, Candidate candidate,
-                 double sign) {
-  constexpr double kPull_px = 20.0, kOutlier_px = 2.5;
-  for (const int reach : {12, 8, 5, 4}) {
-    const int middle = static_cast<int>(std::lround(candidate.radius_px)), half = reach + 3;
-    const Polar polar = Unroll(log_brightness, candidate.center, middle - half, middle + half);
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    std::array<double, kDirections> edge{}, slope{};
-    for (int t = 0; t < kDirections; ++t) {
-      if (!IsUpper(t)) continue;
-      const float* value = polar.value.ptr<float>(t);
-      for (int k = half - reach; k <= half + reach; ++k) {
-        if (!polar.visible.at<std::uint8_t>(t, k)) continue;
-        const double rise = sign * (value[k + 1] + value[k + 2] - value[k - 1] - value[k - 2]) / 2;
-        if (rise > slope[t]) {
-          slope[t] = rise;
-          edge[t] = middle + k - half;
-        }
-      }
+/// Whether the upper sectors show a step (the wall ends) rather than a line that crosses the wall.
+bool LooksLikeStep(const CloseUp& view, const Fit& line, const Fit& step, double line_width_px) {
+  const int half = std::clamp(static_cast<int>(0.1 * view.radius_px() + 4), 8, 12);
+  double as_line = 0, as_step = 0;
+  for (const auto& group : CrownAndShoulders()) {
+    double least = HUGE_VAL;
+    for (const double width_px : {1.0, 0.5 * line_width_px, line_width_px, 1.5 * line_width_px}) {
+      least = std::min(least, Residual(view, group, line, half, [width_px](double k) {
+                         return std::clamp(0.5 + (width_px / 2 - std::abs(k)) / 1.5, 0.0, 1.0);
+                       }));
     }
-    Eigen::Vector3d solved(candidate.radius_px, 0, 0);
-    for (int pass = 0; pass < 6; ++pass) {
-      normal.setZero();
-      right.setZero();
-      for (int t = 0; t < kDirections; ++t) {
-        if (slope[t] <= 0) continue;
-        const Eigen::Vector3d row(1, Directions()[t].x, Directions()[t].y);
-        const double off_px = (edge[t] - row.dot(solved)) / kOutlier_px;
-        const double weight = std::min(slope[t], 0.5) / (1 + off_px * off_px);
-        normal += weight * row * row.transpose();
-        right += weight * edge[t] * row;
-      }
-      const double pull = normal(0, 0) / (2 * kUpperSector + 1) / (kPull_px * kPull_px);
-      const cv::Point2d home = optics.center_px - candidate.center;
-      normal(1, 1) += pull;
-      normal(2, 2) += pull;
-      right += pull * Eigen::Vector3d(0, home.x, home.y);
-      if (normal(0, 0) <= 0) return candidate;
-      solved = normal.ldlt().solve(right);
-    }
-    if (std::abs(solved[0] - candidate.radius_px) > 2.0 * reach) return candidate;
-    candidate.radius_px = solved[0];
-    candidate.center += cv::Point2d(solved[1], solved[2]);
+    as_line += least;
+    as_step +=
+        Residual(view, group, step, half, [](double k) { return std::clamp(k / 1.5, -1.0, 1.0); });
   }
-  return candidate;
+  return as_step < as_line;
 }
 
 /// A ring and how strong it is: its contrast over the threshold of its kind.
@@ -438,55 +525,53 @@ struct Found {
   double strength{};
 };
 
-RingSighting Sighting(RingKind kind, const CloseUp& view, const Fit& fit, const Optics& optics) {
-  RingSighting ring;
-  ring.kind = kind;
-  ring.radius_px = view.radius_px() + fit.k;
-  ring.distance_m = optics.ring_px_m / ring.radius_px;
-  ring.center_x_px = view.center().x + fit.shift.x;
-  ring.center_y_px = view.center().y + fit.shift.y;
-  return ring;
+Found Describe(RingKind kind, const CloseUp& view, const Fit& fit, const Arc& circle,
+               const Optics& optics, const RingParameters& parameters) {
+  const bool joint = kind == RingKind::kJoint;
+  Found found;
+  found.ring.kind = kind;
+  found.ring.radius_px = circle.radius_px;
+  found.ring.distance_m = optics.ring_px_m / circle.radius_px;
+  found.ring.center_x_px = circle.center.x;
+  found.ring.center_y_px = circle.center.y;
+  found.ring.support =
+      view.Support(joint ? view.line() : view.step(), joint ? AllRound() : CrownAndShoulders(), fit,
+                   parameters.support_contrast);
+  found.strength = fit.contrast / (joint ? parameters.joint_contrast : parameters.mouth_contrast);
+  return found;
 }
 
-std::optional<Found> JudgeMouth(const cv::Mat& log_brightness, const Optics& optics,
-                                const Candidate& candidate, double sign,
-                                const RingParameters& parameters) {
-  const Candidate arc = FitArc(log_brightness, optics, candidate, sign);
-  const CloseUp view(log_brightness, optics, arc);
-  Fit fit{{}, arc.radius_px - view.radius_px(), 0};
-  fit.contrast = view.Mean(view.step(), true, fit.k, fit.shift);
-  if (fit.contrast * sign < parameters.mouth_contrast) return std::nullopt;
-  Found found{Sighting(RingKind::kManholeMouth, view, fit, optics),
-              std::abs(fit.contrast) / parameters.mouth_contrast};
-  found.ring.support =
-      view.Support(view.step(), true, fit.k, fit.shift, sign * parameters.support_contrast);
-  return found;
+Arc Circle(const CloseUp& view, const Fit& fit) {
+  return {view.center() + fit.shift, view.radius_px() + fit.k, 0};
 }
 
 std::optional<Found> Judge(const cv::Mat& log_brightness, const Optics& optics,
                            const Candidate& candidate, const RingParameters& parameters) {
-  const CloseUp view(log_brightness, optics, candidate);
-  const Fit line = Align(view, view.line(), false);
-  const Fit step = Align(view, view.step(), true);
-  const int half = std::clamp(static_cast<int>(0.1 * view.radius_px() + 4), 8, 12);
+  const CloseUp view(log_brightness, optics, candidate.center, candidate.radius_px);
+  // Saturated votes leave the candidate anywhere on the line.
+  const int reach = 2 + optics.LineFlank(candidate.radius_px);
+  const Fit line = Align(view, view.line(), AllRound(), reach);
+  const Fit step = Align(view, view.step(), CrownAndShoulders(), reach);
+  const bool may_be_joint = line.contrast >= parameters.joint_contrast;
   const bool may_be_mouth =
-      std::abs(step.contrast) >= parameters.mouth_contrast &&
-      std::abs(step.contrast) > parameters.mouth_step_ratio * std::abs(line.contrast);
-  const bool may_be_joint = std::abs(line.contrast) >= parameters.joint_contrast;
-  if (may_be_mouth && (!may_be_joint ||
-                       LooksLikeStep(view, line, step, optics.LineWidth(view.radius_px()), half))) {
-    return JudgeMouth(log_brightness, optics, candidate, std::copysign(1.0, step.contrast),
-                      parameters);
+      step.contrast >= parameters.mouth_contrast &&
+      step.contrast >= parameters.mouth_step_ratio * line.contrast &&
+      (!may_be_joint || LooksLikeStep(view, line, step, optics.LineWidth(view.radius_px())));
+  if (may_be_mouth) {
+    std::vector<double> signs;
+    for (const auto& group : CrownAndShoulders()) {
+      signs.push_back(std::copysign(1.0, view.Mean(view.step(), group, step.k, step.shift)));
+    }
+    const auto arc = BestArc(log_brightness, optics, Circle(view, step), signs);
+    if (!arc) return std::nullopt;
+    return Describe(RingKind::kManholeMouth, view, step, *arc, optics, parameters);
   }
   if (!may_be_joint) return std::nullopt;
-  Found found{Sighting(RingKind::kJoint, view, line, optics),
-              std::abs(line.contrast) / parameters.joint_contrast};
-  found.ring.support = view.Support(view.line(), false, line.k, line.shift,
-                                    std::copysign(parameters.support_contrast, line.contrast));
-  return found;
+  return Describe(RingKind::kJoint, view, line, Circle(view, line), optics, parameters);
 }
 
 /// Drops the weakly supported, and what is too near a stronger ring to be more than its echo.
+/// Nearest first.
 std::vector<RingSighting> Distinct(std::vector<Found> all, const RingParameters& parameters) {
   std::stable_sort(all.begin(), all.end(),
                    [](const auto& a, const auto& b) { return a.strength > b.strength; });
@@ -515,29 +600,33 @@ std::vector<RingSighting> FindRings(const cv::Mat& brightness, const robot::Came
         fmt::format("ring finder: the image is {} x {}, the camera's are {} x {}", brightness.cols,
                     brightness.rows, camera.width_px, camera.height_px));
   }
-  if (!(pipe_radius_m > 0))
+  if (!(pipe_radius_m > 0)) {
     throw std::invalid_argument("ring finder: the pipe's radius must be above 0");
-
-  const Optics optics{{camera.center_x_px, camera.center_y_px},
-                      camera.focal_px * pipe_radius_m,
-                      parameters.groove_m};
-  const cv::Mat log_brightness = LogBrightness(brightness);
-  const int search_px = parameters.center_search_px;
-  const int pad = static_cast<int>(std::ceil(search_px * 1.5)) + kReach + 8;
-  const int smallest = static_cast<int>(std::floor(optics.ring_px_m / parameters.far_m));
+  }
+  const Optics optics{
+      {camera.center_x_px, camera.center_y_px},
+      camera.focal_px * pipe_radius_m,
+      parameters.groove_m,
+      pipe_radius_m / ((2 * pipe_radius_m + parameters.shaft_wider_m) * camera.focal_px)};
+  const int smallest =
+      std::max(8, static_cast<int>(std::floor(optics.ring_px_m / parameters.far_m)));
   const int largest = std::min(static_cast<int>(std::ceil(optics.ring_px_m / parameters.near_m)),
                                std::max(brightness.cols, brightness.rows) / 2);
   if (largest <= smallest) return {};
-  // Radii below 1 px are no circles, but rows must be long enough for every shift: they hold
-  // nothing visible.
+
+  const cv::Mat log_brightness = LogBrightness(brightness);
+  const int pad = static_cast<int>(std::ceil(parameters.center_search_px * 1.5)) + kReach + 8;
   const Polar polar = Unroll(log_brightness, optics.center_px, smallest - pad, largest + pad);
   const Contrasts contrasts = Measure(polar, optics, kLargestLine, kLargestStep);
-  Spectrum spectrum{smallest, {}, {}};
-  spectrum.line = Transform(polar, contrasts.line, false, search_px, pad, pad + largest - smallest);
-  spectrum.step = Transform(polar, contrasts.step, true, search_px, pad, pad + largest - smallest);
+  const auto transform = [&](const cv::Mat& contrast, const Groups& groups) {
+    return Transform(polar, contrast, groups, parameters.center_search_px, pad,
+                     pad + largest - smallest);
+  };
+  const std::vector<Best> line = transform(contrasts.line, AllRound());
+  const std::vector<Best> step = transform(contrasts.step, CrownAndShoulders());
 
   std::vector<Found> found;
-  for (const Candidate& candidate : Maxima(spectrum, optics, parameters)) {
+  for (const Candidate& candidate : Maxima(line, step, smallest, optics, parameters)) {
     if (auto ring = Judge(log_brightness, optics, candidate, parameters)) found.push_back(*ring);
   }
   return Distinct(std::move(found), parameters);

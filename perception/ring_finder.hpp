@@ -13,6 +13,7 @@ struct RingParameters {
   double near_m{0.30}, far_m{1.60};  ///< rings are looked for between these distances
   int center_search_px{28};  ///< how far a ring's centre may lie from the principal point, per axis
   double groove_m{0.008};    ///< width of a joint, for the scale of its line in the image
+  double shaft_wider_m{0.500};    ///< shaft's diameter minus the pipe's: shapes a mouth's edge
   double joint_contrast{0.05};    ///< least mean contrast of the line all round
   double mouth_contrast{0.10};    ///< least mean contrast of the step in the upper sector
   double support_contrast{0.03};  ///< a direction with more than this lies on the ring

@@ -29,14 +29,9 @@ const Joint* JointAbove(const Description& description, const std::string& link)
   return nullptr;
 }
 
-/// A joint that is set once, before a mission.
-bool IsMast(const Description& description, const Joint& joint) {
-  return joint.type == JointType::kPrismatic && !description.suspensions.contains(joint.name);
-}
-
 Isometry3d PoseInParent(const Description& description, const Joint& joint, double mast_height_m) {
   Isometry3d X_PJ = joint.X_PJ;
-  if (IsMast(description, joint)) X_PJ.translate(joint.axis_J * mast_height_m);
+  if (joint.name == description.laser.mast) X_PJ.translate(joint.axis_J * mast_height_m);
   return X_PJ;
 }
 
@@ -98,7 +93,7 @@ class Writer {
   }
 
   void WriteJoint(const Joint& joint) {
-    if (joint.type == JointType::kPrismatic && !IsMast(description_, joint)) {
+    if (joint.type == JointType::kPrismatic && joint.name != description_.laser.mast) {
       const robot::Suspension& spring = description_.suspensions.at(joint.name);
       text_ += fmt::format(
           "<joint name=\"{}\" type=\"slide\" axis=\"{}\" limited=\"true\" range=\"{} {}\" stiffness=\"{}\" "

@@ -47,17 +47,6 @@ TEST(Odometry, RefusesARobotItCannotMeasure) {
 TEST(Odometry, RefusesNumbersThatAreNotFinite) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW((void)Odometry(FourWheels()).Travel({{0, nan, 0, 0}}, {}), std::invalid_argument);
-  robot::InertialReading reading;
-  reading.angular_velocity_rad_s.z() = nan;
-  EXPECT_THROW((void)TurnRate(reading, {}), std::invalid_argument);
-}
-
-TEST(TurnRate, IsAboutTheBasesUpwardAxis) {
-  robot::InertialReading reading;
-  reading.angular_velocity_rad_s = {0.1, 0.2, -0.3};
-  const TurnRateObservation turn = TurnRate(reading, std::chrono::milliseconds(9));
-  EXPECT_DOUBLE_EQ(turn.yaw_rate_rad_s, -0.3);
-  EXPECT_EQ(turn.captured_at, std::chrono::milliseconds(9));
 }
 
 }  // namespace

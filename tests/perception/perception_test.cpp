@@ -127,7 +127,7 @@ TEST(Perception, GivesOneObservationForEachOtherSensor) {
                   perception.Process(At(2, robot::WheelEncoders{{2, 2, 2, 2}})).at(0))
                   .travel_m,
               0.090, 1e-12);
-  EXPECT_TRUE(std::holds_alternative<TurnRateObservation>(
+  EXPECT_TRUE(std::holds_alternative<AttitudeObservation>(
       perception.Process(At(3, robot::InertialReading{})).at(0)));
 }
 

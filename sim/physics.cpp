@@ -1,0 +1,117 @@
+#include "sim/physics.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numbers>
+#include <stdexcept>
+
+namespace kantaro::sim {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+constexpr double kSettle_s = 1.0;
+
+Vector3d ToEigen(const mjtNum* v) { return {v[0], v[1], v[2]}; }
+
+}  // namespace
+
+Physics::Physics(const VoidField& field, const robot::Description& description, const PhysicsOptions& options)
+    : field_(field),
+      model_(BuildRobotModel(description, options)),
+      data_(mj_makeData(model_.get())),
+      binding_(model_.get(), &field) {
+  for (std::size_t i = 0; i < wheel_joint_.size(); ++i) {
+    wheel_joint_[i] = mj_name2id(model_.get(), mjOBJ_JOINT, description.wheels[i].c_str());
+  }
+}
+
+double Physics::WheelClearance() {
+  mj_kinematics(model_.get(), data_.get());
+  double least = VoidField::kLargestReach_m;
+  for (int geom = 0; geom < model_->ngeom; ++geom) {
+    if (model_->geom_type[geom] != mjGEOM_CYLINDER) continue;
+    const mjtNum* R_WG = data_->geom_xmat + 9 * geom;
+    const double tread = model_->geom_user[static_cast<std::ptrdiff_t>(model_->nuser_geom) * geom];
+    const Torus torus{ToEigen(data_->geom_xpos + 3 * geom), {R_WG[2], R_WG[5], R_WG[8]},
+                      model_->geom_size[3 * geom] - tread, tread};
+    for (const WallContact& contact : TorusContacts(field_, torus, 0.1)) least = std::min(least, contact.distance_m);
+  }
+  return least;
+}
+
+void Physics::Place(const Sewer& sewer, const StartPose& start) {
+  const std::size_t pipe = sewer.network.FindPipe(start.pipe).value();
+  const Isometry3d X_WP = sewer.axes[pipe].PoseAt(start.chainage_m);
+  const double radius = sewer.network.pipes[pipe].diameter_m / 2.0;
+  const double heading = start.facing_downstream ? 0.0 : std::numbers::pi;
+
+  mj_resetData(model_.get(), data_.get());
+  const auto place = [&](double down_m) {
+    const Isometry3d X_WB = X_WP * Eigen::AngleAxisd(heading, Vector3d::UnitZ()) *
+                            Eigen::AngleAxisd(start.roll_rad, Vector3d::UnitX()) *
+                            Eigen::Translation3d(0.0, 0.0, -down_m) * Eigen::AngleAxisd(start.yaw_rad, Vector3d::UnitZ());
+    const Eigen::Quaterniond q(X_WB.linear());
+    const std::array<mjtNum, 7> qpos{X_WB.translation().x(), X_WB.translation().y(), X_WB.translation().z(),
+                                     q.w(), q.x(), q.y(), q.z()};
+    std::copy(qpos.begin(), qpos.end(), data_->qpos);
+    return WheelClearance();
+  };
+  // Lower the robot until a tread meets the wall.
+  double high = 0.0;
+  double low = radius;
+  if (place(high) < 0.0) throw std::invalid_argument(fmt::format("the robot does not fit into pipe \"{}\"", start.pipe));
+  for (int i = 0; i < 30; ++i) {
+    const double middle = 0.5 * (high + low);
+    (place(middle) > 0.0 ? high : low) = middle;
+  }
+  place(high);
+
+  Drive(0.0, 0.0);
+  while (data_->time < kSettle_s) Step();
+  data_->time = 0.0;
+}
+
+void Physics::Drive(double left_rad_s, double right_rad_s) {
+  for (int i = 0; i < 4; ++i) data_->ctrl[i] = i % 2 == 0 ? left_rad_s : right_rad_s;
+}
+
+void Physics::Step() {
+  mj_step(model_.get(), data_.get());
+  for (const int kind : {mjWARN_INERTIA, mjWARN_CONTACTFULL, mjWARN_CNSTRFULL, mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC,
+                         mjWARN_BADCTRL}) {
+    if (data_->warning[kind].number > 0) {
+      throw std::runtime_error(fmt::format("MuJoCo at {:.3f} s: {}", data_->time, mju_warningText(kind, data_->warning[kind].lastinfo)));
+    }
+  }
+}
+
+Isometry3d Physics::PoseOfBase() const {
+  Isometry3d X_WB = Isometry3d::Identity();
+  X_WB.translation() = ToEigen(data_->qpos);
+  X_WB.linear() = Eigen::Quaterniond(data_->qpos[3], data_->qpos[4], data_->qpos[5], data_->qpos[6]).toRotationMatrix();
+  return X_WB;
+}
+
+Vector3d Physics::VelocityOfBase() const { return ToEigen(data_->qvel); }
+
+std::array<double, 4> Physics::WheelAngles() const {
+  std::array<double, 4> angles{};
+  for (std::size_t i = 0; i < angles.size(); ++i) angles[i] = data_->qpos[model_->jnt_qposadr[wheel_joint_[i]]];
+  return angles;
+}
+
+Vector3d Physics::AngularVelocity() const { return ToEigen(data_->sensordata); }
+
+Vector3d Physics::SpecificForce() const { return ToEigen(data_->sensordata + 3); }
+
+bool Physics::Touches(const std::string& link) const {
+  const int body = mj_name2id(model_.get(), mjOBJ_BODY, link.c_str());
+  return std::any_of(data_->contact, data_->contact + data_->ncon, [&](const mjContact& contact) {
+    return contact.dist < 0.0 && model_->geom_bodyid[contact.geom2] == body;
+  });
+}
+
+}  // namespace kantaro::sim

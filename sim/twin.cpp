@@ -1,0 +1,256 @@
+#include "sim/twin.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+
+#include "base/random.hpp"
+#include "sim/camera_rig.hpp"
+#include "sim/range_sensors.hpp"
+#include "sim/surface_mesh.hpp"
+
+namespace kantaro::sim {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using robot::Reading;
+using robot::RunTime;
+using robot::Seconds;
+
+constexpr RunTime kStep = std::chrono::milliseconds(2);
+
+RunTime FromSeconds(double seconds) { return RunTime(std::llround(seconds * 1e9)); }
+
+/// How many physics steps lie between two readings.
+std::int64_t StepsPer(double rate_Hz, const char* sensor) {
+  const double steps = 1.0 / (rate_Hz * Seconds(kStep));
+  const auto whole = std::llround(steps);
+  if (whole < 1 || std::abs(steps - static_cast<double>(whole)) > 1e-6) {
+    throw std::invalid_argument(fmt::format("the rate of the {} is no whole number of 2 ms steps", sensor));
+  }
+  return whole;
+}
+
+}  // namespace
+
+World BuildWorld(const network::Network& network, std::uint64_t texture_seed, bool cameras) {
+  World world;
+  const auto sewer = std::make_shared<const Sewer>(BuildSewer(network));
+  const SurfaceMesh mesh = Tessellate(sewer->voids);
+  world.field = std::make_shared<const VoidField>(sewer->voids);
+  world.rays = std::make_shared<const RayCaster>(mesh);
+  if (cameras) {
+    SceneryOptions options;
+    options.seed = texture_seed;
+    world.scenery = std::make_shared<const Scenery>(*sewer, mesh, options);
+  }
+  world.sewer = sewer;
+  return world;
+}
+
+class Twin::Impl {
+ public:
+  Impl(World world, const robot::Description& description, const Conditions& conditions)
+      : world_(std::move(world)),
+        description_(description),
+        conditions_(conditions),
+        physics_(*world_.field, description_, MakePhysicsOptions()),
+        laser_(description_.laser, *world_.rays, RandomStream(conditions.seed, "sensor.laser")),
+        infrared_noise_(conditions.seed, "sensor.infrared"),
+        inertial_noise_(conditions.seed, "sensor.inertial"),
+        encoder_steps_(StepsPer(description_.encoder_rate_Hz, "encoders")),
+        infrared_steps_(StepsPer(description_.infrared_rate_Hz, "IR sensors")),
+        inertial_steps_(StepsPer(description_.inertial_rate_Hz, "inertial unit")),
+        front_steps_(StepsPer(description_.front_camera.rate_Hz, "front camera")),
+        stereo_steps_(StepsPer(description_.stereo_left.rate_Hz, "stereo cameras")) {
+    for (const std::string& link : description_.lights) lamp_mounts_.push_back(Mount(link));
+    if (world_.scenery) cameras_.emplace(world_.scenery, conditions_.render_threads);
+    physics_.Place(*world_.sewer, conditions_.start);
+  }
+
+  std::optional<Reading> Read() {
+    while (pending_.empty() || pending_.begin()->first.first > Time()) {
+      if (Seconds(Time()) >= conditions_.time_limit_s) return std::nullopt;
+      Step();
+    }
+    Pending next = std::move(pending_.begin()->second);
+    pending_.erase(pending_.begin());
+    if (auto* front = std::get_if<robot::FrontImage>(&next.reading.value)) {
+      front->image = next.images[0].get();
+    } else if (auto* stereo = std::get_if<robot::StereoPair>(&next.reading.value)) {
+      stereo->left = next.images[0].get();
+      stereo->right = next.images[1].get();
+    }
+    now_ = next.reading.arrived_at;
+    return std::move(next.reading);
+  }
+
+  void Apply(const robot::Command& command) {
+    if (!std::isfinite(command.left_rad_s) || !std::isfinite(command.right_rad_s)) {
+      throw std::invalid_argument("a wheel speed is no number");
+    }
+    if (!(command.lights >= 0.0 && command.lights <= 1.0)) throw std::invalid_argument("lights must be 0 to 1");
+    lights_ = command.lights;
+    physics_.Drive(command.left_rad_s * (1.0 + conditions_.left_right_mismatch),
+                   command.right_rad_s * (1.0 - conditions_.left_right_mismatch));
+  }
+
+  RunTime Now() const { return now_; }
+
+  GroundTruth Truth() {
+    GroundTruth truth;
+    truth.X_WB = physics_.PoseOfBase();
+    truth.upper_box_touched = std::exchange(upper_box_touched_, false);
+    Locate(truth);
+    Vector3d forward = truth.X_WB.linear().col(0);
+    if (truth.pipe) {
+      const Vector3d along = world_.sewer->axes[*truth.pipe].PoseAt(truth.chainage_m).linear().col(0);
+      forward = along.dot(forward) < 0.0 ? Vector3d(-along) : along;
+    }
+    truth.speed_m_s = physics_.VelocityOfBase().dot(forward);
+    return truth;
+  }
+
+ private:
+  struct Pending {
+    Reading reading;
+    std::vector<std::future<cv::Mat>> images;
+  };
+
+  PhysicsOptions MakePhysicsOptions() const {
+    PhysicsOptions options;
+    options.timestep_s = Seconds(kStep);
+    options.wheel_friction = conditions_.wheel_friction;
+    options.mast_height_m = description_.MastHeight(conditions_.mast_diameter_m);
+    return options;
+  }
+
+  Isometry3d Mount(const std::string& link) const {
+    return MountPose(description_, link, description_.MastHeight(conditions_.mast_diameter_m));
+  }
+
+  RunTime Time() const { return steps_ * kStep; }
+
+  void Step() {
+    const Isometry3d X_WL_before = physics_.PoseOfBase() * laser_mount_;
+    physics_.Step();
+    const double from_s = Seconds(Time());
+    ++steps_;
+    const Isometry3d X_WB = physics_.PoseOfBase();
+    upper_box_touched_ = upper_box_touched_ || physics_.Touches(description_.upper_box);
+
+    for (auto& [time_s, revolution] : laser_.Scan(from_s, Seconds(Time()), X_WL_before, X_WB * laser_mount_)) {
+      Queue(FromSeconds(time_s), description_.laser.latency_s, std::move(revolution));
+    }
+    if (steps_ % encoder_steps_ == 0) Queue(Time(), 0.0, ReadEncoders());
+    if (steps_ % inertial_steps_ == 0) Queue(Time(), 0.0, ReadInertial());
+    if (steps_ % infrared_steps_ == 0) Queue(Time(), 0.0, ReadInfrared(X_WB));
+    if (!cameras_) return;
+    if (steps_ % front_steps_ == 0) {
+      Pending& front = Queue(Time(), description_.front_camera.latency_s, robot::FrontImage{});
+      front.images.push_back(Photograph(X_WB, description_.front_camera));
+    }
+    if (steps_ % stereo_steps_ == 0) {
+      Pending& stereo = Queue(Time(), description_.stereo_left.latency_s, robot::StereoPair{});
+      stereo.images.push_back(Photograph(X_WB, description_.stereo_left));
+      stereo.images.push_back(Photograph(X_WB, description_.stereo_right));
+    }
+  }
+
+  /// Readings of one instant keep the order in which they were queued.
+  template <typename Value>
+  Pending& Queue(RunTime captured_at, double latency_s, Value&& value) {
+    const RunTime arrived_at = captured_at + FromSeconds(latency_s);
+    Pending& pending = pending_[{arrived_at, queued_++}];
+    pending.reading = {captured_at, arrived_at, std::forward<Value>(value)};
+    return pending;
+  }
+
+  robot::WheelEncoders ReadEncoders() const {
+    robot::WheelEncoders encoders{physics_.WheelAngles()};
+    for (double& angle : encoders.angle_rad) {
+      angle = std::floor(angle / description_.encoder_resolution_rad) * description_.encoder_resolution_rad;
+    }
+    return encoders;
+  }
+
+  robot::InertialReading ReadInertial() {
+    robot::InertialReading reading{physics_.AngularVelocity(), physics_.SpecificForce()};
+    for (int i = 0; i < 3; ++i) {
+      reading.angular_velocity_rad_s[i] += inertial_noise_.Normal(description_.gyro_noise_rad_s);
+      reading.specific_force_m_s2[i] += inertial_noise_.Normal(description_.accelerometer_noise_m_s2);
+    }
+    return reading;
+  }
+
+  robot::IrRanges ReadInfrared(const Isometry3d& X_WB) {
+    const auto measure = [&](const robot::Infrared& sensor) {
+      return MeasureInfrared(sensor, *world_.rays, X_WB * Mount(sensor.link), infrared_noise_);
+    };
+    robot::IrRanges ranges;
+    ranges.up = measure(description_.ir_up);
+    ranges.left = measure(description_.ir_left);
+    ranges.right = measure(description_.ir_right);
+    return ranges;
+  }
+
+  std::future<cv::Mat> Photograph(const Isometry3d& X_WB, const robot::Camera& camera) {
+    const CameraView view{X_WB * Mount(camera.link), camera.width_px, camera.height_px,
+                          camera.focal_px, camera.center_x_px, camera.center_y_px};
+    Lamps lamps;
+    for (const Isometry3d& X_BLamp : lamp_mounts_) lamps.p_WLamp.push_back((X_WB * X_BLamp).translation());
+    if (!lamp_mounts_.empty()) lamps.direction_W = (X_WB * lamp_mounts_.front()).linear().col(0);
+    lamps.brightness = std::min(1.0, lights_ * conditions_.light);
+    return cameras_->Capture(view, lamps, conditions_.seed, fmt::format("sensor.{}.{}", camera.link, steps_));
+  }
+
+  void Locate(GroundTruth& truth) const {
+    const Vector3d p_WB = truth.X_WB.translation();
+    const Nearby nearby = world_.field->Around(p_WB, 0.05);
+    for (const VoidPrimitive* primitive : nearby.voids()) {
+      const Part& part = world_.sewer->parts[primitive->part];
+      if (part.kind == Part::Kind::kManhole) {
+        truth.manhole = part.index;
+        continue;
+      }
+      const network::PipePosition position = world_.sewer->axes[part.index].Locate(p_WB);
+      if (position.chainage_m < 0.0 || position.chainage_m > world_.sewer->axes[part.index].length_m()) continue;
+      truth.pipe = part.index;
+      truth.chainage_m = position.chainage_m;
+    }
+    if (truth.pipe) truth.manhole.reset();
+  }
+
+  World world_;
+  robot::Description description_;
+  Conditions conditions_;
+  Physics physics_;
+  LaserScanner laser_;
+  RandomStream infrared_noise_, inertial_noise_;
+  std::int64_t encoder_steps_, infrared_steps_, inertial_steps_, front_steps_, stereo_steps_;
+  Isometry3d laser_mount_{Mount(description_.laser.link)};
+  std::vector<Isometry3d> lamp_mounts_;
+  std::optional<CameraRig> cameras_;
+
+  std::int64_t steps_{};
+  std::uint64_t queued_{};
+  std::map<std::pair<RunTime, std::uint64_t>, Pending> pending_;
+  RunTime now_{};
+  double lights_{1.0};
+  bool upper_box_touched_{};
+};
+
+Twin::Twin(World world, const robot::Description& description, const Conditions& conditions)
+    : impl_(std::make_unique<Impl>(std::move(world), description, conditions)) {}
+Twin::~Twin() = default;
+
+std::optional<Reading> Twin::Read() { return impl_->Read(); }
+void Twin::Apply(const robot::Command& command) { impl_->Apply(command); }
+RunTime Twin::Now() const { return impl_->Now(); }
+GroundTruth Twin::Truth() { return impl_->Truth(); }
+
+}  // namespace kantaro::sim
