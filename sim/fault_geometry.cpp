@@ -233,7 +233,9 @@ std::vector<Visual> Crack(const RolledWall& wall, const network::Fault& fault, R
   const double half_m = fault.length_m / 2.0;
   const std::vector<Vector2d> line = JaggedLine({-half_m, 0.0}, {half_m, 0.0}, 0.4, random);
   const double damp_m = RankScale(fault.rank) * 0.012;
-  visuals.push_back(CrackAlong(wall, line, fault.width_m + damp_m, false, 0.7 * kPaint_m, random, kDampStain));
+  std::vector<Vector2d> smooth;  // a wide band folds over itself where the line turns sharply
+  for (std::size_t i = 0; i < line.size(); i += 3) smooth.push_back(line[i]);
+  visuals.push_back(CrackAlong(wall, smooth, fault.width_m + damp_m, false, 0.7 * kPaint_m, random, kDampStain));
   visuals.push_back(CrackAlong(wall, line, fault.width_m, false, kPaint_m, random, kVoidDark));
   const int branches = static_cast<int>(std::lround(4.0 * RankScale(fault.rank)));
   for (int i = 0; i < branches; ++i) {

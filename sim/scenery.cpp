@@ -50,7 +50,7 @@ Paint PaintOf(const Sewer& sewer, std::size_t index, const SceneryOptions& optio
   const Part& part = sewer.parts[primitive.part];
   RandomStream random(options.seed, fmt::format("paint {}", index));
   Paint paint;
-  paint.look = {Pattern::kConcrete, {0.62f, 0.58f, 0.50f}, 0.10f, 1.0f};
+  paint.look = {Pattern::kConcrete, {0.70f, 0.66f, 0.58f}, 0.10f, 0.4f};
   switch (primitive.feature) {
     case Feature::kStraight:
     case Feature::kBend: {
@@ -66,7 +66,8 @@ Paint PaintOf(const Sewer& sewer, std::size_t index, const SceneryOptions& optio
       paint.period_m = {0.2f, 0.2f};
       break;
     case Feature::kInlet:
-      paint.look = {Pattern::kConcrete, {0.26f, 0.22f, 0.18f}, 0.2f, 0.6f};
+      // Lamps throw no shadows here, but an inlet's inside lies in its mouth's.
+      paint.look = {Pattern::kConcrete, {0.12f, 0.10f, 0.08f}, 0.05f, 0.2f};
       break;
     case Feature::kChannel: {
       // A channel goes on as its pipe does, deposit and all, in cement.

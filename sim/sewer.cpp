@@ -44,7 +44,6 @@ Eigen::Isometry3d Level(const Vector3d& p_W, const Vector2d& forward) {
 struct Chamber {
   double shaft_radius_m{};
   double channel_radius_m{};     ///< half the width of its channels: the largest pipe's
-  double mouth_m{};              ///< from the centre to where a channel's sides meet the shaft wall
   double bench_m{};              ///< bench above the invert
 };
 
@@ -58,8 +57,6 @@ Chamber ChamberOf(const Network& network, const Manhole& manhole) {
     throw std::invalid_argument(fmt::format("manhole \"{}\": its shaft of {:.0f} mm is too narrow for its pipes",
                                             manhole.name, chamber.shaft_radius_m * 2000.0));
   }
-  chamber.mouth_m = std::sqrt(chamber.shaft_radius_m * chamber.shaft_radius_m -
-                              chamber.channel_radius_m * chamber.channel_radius_m);
   chamber.bench_m = manhole.bench_height == network::BenchHeight::kCrown ? 2.0 * chamber.channel_radius_m
                                                                          : chamber.channel_radius_m;
   return chamber;
@@ -112,19 +109,14 @@ class Builder {
     }
   }
 
-  /// How far the tube reaches into a shaft beyond the axis' end, to where the channel begins.
-  double ReachInto(const std::string& manhole) const {
-    const Chamber chamber = ChamberOf(sewer_.network, sewer_.network.ManholeNamed(manhole));
-    return chamber.shaft_radius_m - chamber.mouth_m + kOverlap_m;
-  }
-
   void AddPipe(std::size_t index) {
     const Pipe& pipe = sewer_.network.pipes[index];
     const PipeAxis& axis = sewer_.axes[index];
     const double radius = pipe.diameter_m / 2.0;
     StartPart({Part::Kind::kPipe, index});
 
-    double start = -ReachInto(pipe.upstream);
+    // Channels end at the shaft's wall, where the pipe begins.
+    double start = -kOverlap_m;
     for (const network::Joint& joint : pipe.joints) {
       const double gap_start = joint.chainage_m - joint.gap_m / 2.0;
       const double gap_end = joint.chainage_m + joint.gap_m / 2.0;
@@ -133,7 +125,7 @@ class Builder {
       AddTube(axis, gap_start - kLip, gap_end + kLip, radius + joint.depth_m, Feature::kJoint, Feature::kJoint);
       start = gap_end;
     }
-    AddTube(axis, start, axis.length_m() + ReachInto(pipe.downstream), radius, Feature::kStraight, Feature::kBend);
+    AddTube(axis, start, axis.length_m() + kOverlap_m, radius, Feature::kStraight, Feature::kBend);
 
     for (const network::Inlet& inlet : pipe.inlets) {
       const Eigen::Isometry3d X_WP = axis.PoseAt(inlet.chainage_m);
@@ -160,7 +152,7 @@ class Builder {
     channel.radius_m = chamber.channel_radius_m;
     channel.profile = Profile::kU;
     // The sides end a little above the bench, where the shaft is open.
-    channel.wall_height_m = chamber.bench_m - chamber.channel_radius_m + 0.005;
+    channel.wall_height_m = chamber.bench_m - chamber.channel_radius_m + 0.001;
     channel.feature = Feature::kChannel;
     Add(channel);
   }
@@ -173,21 +165,21 @@ class Builder {
     };
     const double turn = std::atan2(in.x() * out.y() - in.y() * out.x(), in.dot(out));
     if (std::abs(turn) < kStraight_rad) {
-      AddChannel(chamber, at(in, -chamber.mouth_m), 2.0 * chamber.mouth_m, 0.0);
+      AddChannel(chamber, at(in, -chamber.shaft_radius_m), 2.0 * chamber.shaft_radius_m, 0.0);
       return;
     }
     const double half_tangent = std::tan(std::abs(turn) / 2.0);
     const double radius = std::min(manhole.channel_radius_m.value_or(kChannelRadiusRatio * chamber.shaft_radius_m),
-                                   chamber.mouth_m / half_tangent);
+                                   chamber.shaft_radius_m / half_tangent);
     if (radius <= chamber.channel_radius_m) {
       throw std::invalid_argument(fmt::format("manhole \"{}\": a channel of {:.0f} mm cannot turn by {:.0f} degrees in it",
                                               manhole.name, chamber.channel_radius_m * 2000.0,
                                               std::abs(turn) * 180.0 / std::numbers::pi));
     }
     const double tangent = radius * half_tangent;
-    AddChannel(chamber, at(in, -chamber.mouth_m), chamber.mouth_m - tangent + kOverlap_m, 0.0);
+    AddChannel(chamber, at(in, -chamber.shaft_radius_m), chamber.shaft_radius_m - tangent + kOverlap_m, 0.0);
     AddChannel(chamber, at(in, -tangent), radius * std::abs(turn), std::copysign(1.0 / radius, turn));
-    AddChannel(chamber, at(out, tangent - kOverlap_m), chamber.mouth_m - tangent + kOverlap_m, 0.0);
+    AddChannel(chamber, at(out, tangent - kOverlap_m), chamber.shaft_radius_m - tangent + kOverlap_m, 0.0);
   }
 
   void AddManhole(std::size_t index) {
