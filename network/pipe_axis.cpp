@@ -17,7 +17,8 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-constexpr double kTiny_m = 1e-6;           // legs and turns below this are none
+constexpr double kTiny_m = 1e-6;           // legs below this are none
+constexpr double kTinyTurn = 1e-3;         // bends below this stay corners: an arc would be a crumb
 constexpr double kSharpestArc = pi / 4.0;  // of one piece; see the header on the residual
 constexpr double kSharpestBend = 170.0 * pi / 180.0;
 constexpr double kSteepestGrade = 1.0;
@@ -85,7 +86,7 @@ std::vector<PlanPiece> MakePlan(const ShaftEnd& upstream, const ShaftEnd& downst
     if (std::abs(turn[i]) > kSharpestBend) {
       throw std::invalid_argument(fmt::format("bend {} turns back on itself", i));
     }
-    if (std::abs(turn[i]) > kTiny_m) {
+    if (std::abs(turn[i]) > kTinyTurn) {
       cut_m[i] = pipe.bends[i - 1].radius_m * std::tan(std::abs(turn[i]) / 2.0);
     }
   }

@@ -40,11 +40,12 @@ inline constexpr double kShortestPipe_m = 0.1;
 /// The centre line of a pipe between the walls of its two shafts: straight legs joined by arcs,
 /// seen from above tangent to each other and aimed at the manholes' centres. It starts at the
 /// upstream manhole's invert + upstream_offset_m + pipe radius, where the first leg crosses the
-/// shaft's wall. The grade, rise over plan length, is spread evenly: every piece is tilted to rise
-/// by its plan length times the grade, arcs about their chord. Pieces meet exactly in position. In
-/// direction they miss each other by grade · (1 − (φ/2) / tan(φ/2)), φ being the turn of the arc
-/// piece, at most 45° (sharper bends are made of several): 5 % of the grade at most, 0.05 mrad for
-/// 45° at 0.1 %, 0.5 mrad at 1 %.
+/// shaft's wall.
+///
+/// The grade, rise over plan length, is spread evenly: every piece is tilted to rise by its plan
+/// length times the grade, arcs about their chord. Pieces meet exactly in position. In direction
+/// they miss each other by up to grade · (1 − (φ/2) / tan(φ/2)), φ being the turn of the arc piece.
+/// Bends sharper than 45° are made of several pieces, so that is 5 % of the grade: 0.5 mrad at 1 %.
 class PipeAxis {
  public:
   /// @throws std::invalid_argument saying what is wrong if the bends do not fit between the shafts,

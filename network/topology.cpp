@@ -158,6 +158,7 @@ Network Neighbourhood(const Network& network, const std::vector<std::string>& ma
                       double reach_m) {
   const NetworkIndex index(network);
   std::vector<std::size_t> starts;
+  starts.reserve(manholes.size());
   for (const std::string& name : manholes) starts.push_back(IndexOf(index, name));
   const Walk walk = WalkFrom(network, index, starts, /*enterable_only=*/false);
 

@@ -130,11 +130,13 @@ TEST(Swmm, AVertexThatDoesNotFitIsDroppedAndNamed) {
   EXPECT_TRUE(HasRemark(network, "conduit c2", "vertices left out"));
 }
 
+// The corner of c2 stands 0.1 m from a vertex in line with one of its legs, before it or after it.
 TEST(Swmm, OfCrowdedVerticesTheSharperStays) {
-  // (1059.9, 1000) is in line; only the corner next to it bends.
-  const Network network = Parse(SmallWith("c2 1060 1000", "c2 1059.9 1000\nc2 1060 1000"));
-  ASSERT_EQ(network.pipes[1].bends.size(), 1u);
-  EXPECT_EQ(network.pipes[1].bends[0].p_W, Eigen::Vector2d(30, -20));
+  for (const char* vertices : {"c2 1059.9 1000\nc2 1060 1000", "c2 1060 1000\nc2 1060 1000.1"}) {
+    const Network network = Parse(SmallWith("c2 1060 1000", vertices));
+    ASSERT_EQ(network.pipes[1].bends.size(), 1u);
+    EXPECT_EQ(network.pipes[1].bends[0].p_W, Eigen::Vector2d(30, -20));
+  }
 }
 
 TEST(Swmm, OnlyEnterablePipesGetJoints) {
