@@ -46,6 +46,7 @@ inline constexpr double kShortestPipe_m = 0.1;
 /// length times the grade, arcs about their chord. Pieces meet exactly in position. In direction
 /// they miss each other by up to grade · (1 − (φ/2) / tan(φ/2)), φ being the turn of the arc piece.
 /// Bends sharper than 45° are made of several pieces, so that is 5 % of the grade: 0.5 mrad at 1 %.
+/// A bend of less than 1 mrad stays a corner.
 class PipeAxis {
  public:
   /// @throws std::invalid_argument saying what is wrong if the bends do not fit between the shafts,
