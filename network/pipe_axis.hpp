@@ -50,8 +50,7 @@ inline constexpr double kShortestPipe_m = 0.1;
 class PipeAxis {
  public:
   /// @throws std::invalid_argument saying what is wrong if the bends do not fit between the shafts,
-  /// the
-  ///         shafts leave less than kShortestPipe_m, or the pipe is steeper than 45°.
+  ///         the shafts leave less than kShortestPipe_m, or the pipe is steeper than 45°.
   /// @throws std::out_of_range if the network lacks one of the pipe's manholes.
   PipeAxis(const Network& network, const Pipe& pipe);
   /// The same for a whole network, without looking names up again. @param pipe  its position.
