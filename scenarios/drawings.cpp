@@ -78,20 +78,6 @@ std::string Short(double value, double step) {
 
 // ---------------------------------------------------------------- the plan
 
-/// The part of the network that the plan shows: all of a small one, the surroundings of the mission
-/// in a large one.
-network::Network Shown(const Scenario& scenario) {
-  constexpr std::size_t kWhole = 40;
-  if (scenario.network.pipes.size() <= kWhole) return scenario.network;
-  std::vector<std::string> manholes{scenario.start.manhole};
-  for (const auto& leg :
-       PlannedRoute(scenario.network, scenario.start, scenario.goal, scenario.via)) {
-    const network::Pipe& pipe = scenario.network.PipeNamed(leg.pipe);
-    manholes.insert(manholes.end(), {pipe.upstream, pipe.downstream});
-  }
-  return network::Neighbourhood(scenario.network, manholes, 30.0);
-}
-
 /// From world metres to the drawing's pixels.
 class PlanView {
  public:
@@ -480,8 +466,7 @@ std::string DrawWindow(double middle_rad, double reach_m) {
 RouteRuler::RouteRuler(const Scenario& scenario) {
   const network::Network& network = scenario.network;
   double start_m = 0.0;
-  for (const network::RouteLeg& leg :
-       PlannedRoute(network, scenario.start, scenario.goal, scenario.via)) {
+  for (const network::RouteLeg& leg : PlannedRoute(scenario)) {
     const network::Pipe& pipe = network.PipeNamed(leg.pipe);
     const network::PipeAxis axis(network, pipe);
     const network::Manhole& end =
@@ -518,7 +503,7 @@ double RouteRuler::length_m() const {
 }
 
 std::string PlanSvg(const Scenario& scenario, const MissionTrace& trace, double width_px) {
-  const network::Network shown = Shown(scenario);
+  const network::Network shown = Surroundings(scenario);
   const PlanView view(shown, width_px);
   std::string bodies, details, faults, manholes;
   for (const network::Pipe& pipe : shown.pipes) {
@@ -528,9 +513,9 @@ std::string PlanSvg(const Scenario& scenario, const MissionTrace& trace, double 
     faults += DrawFaults(view, axis, pipe);
   }
   for (const network::Manhole& manhole : shown.manholes) {
-    const std::string role = manhole.name == scenario.start.manhole  ? "start"
-                             : manhole.name == scenario.goal.manhole ? "goal"
-                                                                     : "";
+    const std::string role = manhole.name == scenario.start.manhole ? "start"
+                             : manhole.name == scenario.goal        ? "goal"
+                                                                    : "";
     manholes += DrawManhole(view, shown, manhole, role);
   }
   return OpenSvg(width_px, view.height_px() + 20.0, "plan",

@@ -45,15 +45,8 @@ bool IsJunction(const network::Network& network, const network::Manhole& manhole
 }
 
 double DistanceToGoal(const Scenario& scenario, const TruthSample& end) {
-  const network::Network& network = scenario.network;
-  const Eigen::Vector3d p_WB = end.X_WB.translation();
-  if (!scenario.goal.manhole.empty()) {
-    return std::max(0.0, OutsideShaft(network, network.ManholeNamed(scenario.goal.manhole), p_WB));
-  }
-  if (end.place.pipe == scenario.goal.pipe)
-    return std::abs(end.place.chainage_m - scenario.goal.at_m);
-  const network::PipeAxis axis(network, network.PipeNamed(scenario.goal.pipe));
-  return (axis.PoseAt(scenario.goal.at_m).translation() - p_WB).norm();
+  const network::Manhole& goal = scenario.network.ManholeNamed(scenario.goal);
+  return std::max(0.0, OutsideShaft(scenario.network, goal, end.X_WB.translation()));
 }
 
 Check GoalReached(const Scenario& scenario, const MissionTrace& trace) {
@@ -69,12 +62,10 @@ Check GoalReached(const Scenario& scenario, const MissionTrace& trace) {
   check.passed = check.value <= check.limit;
   check.at_s = end.time_s;
   check.place = ToWords(end.place);
-  const std::string goal = scenario.goal.manhole.empty()
-                               ? ToWords({scenario.goal.pipe, "", scenario.goal.at_m})
-                               : ToWords({"", scenario.goal.manhole, 0.0});
-  check.text = check.passed ? fmt::format("The robot stands at its goal, {}.", goal)
-                            : fmt::format("The robot stands in {}, {:.2f} m from its goal, {}.",
-                                          check.place, check.value, goal);
+  check.text = check.passed
+                   ? fmt::format("The robot stands at its goal, manhole {}.", scenario.goal)
+                   : fmt::format("The robot stands in {}, {:.2f} m from its goal, manhole {}.",
+                                 check.place, check.value, scenario.goal);
   return check;
 }
 
@@ -175,7 +166,8 @@ Check SpeedLimit(const Scenario& scenario, const MissionTrace& trace) {
     const double sunk_m = truth[i - 1].X_WB.translation().z() - truth[i].X_WB.translation().z();
     if (sunk_m > kDropSpeed_m_s * step_s) last_drop_s = truth[i].time_s;
     distance_m += truth[i].speed_m_s * step_s;
-    while (truth[i].time_s - truth[first].time_s > kSpeedWindow_s + 1e-9) {
+    // The shortest run of samples that covers the window.
+    while (truth[i].time_s - truth[first + 1].time_s > kSpeedWindow_s - 1e-9) {
       ++first;
       distance_m -= truth[first].speed_m_s * (truth[first].time_s - truth[first - 1].time_s);
     }

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <system_error>
 
 #include "base/files.hpp"
@@ -64,24 +65,24 @@ Json ToJson(const Result& result) {
           {"trace_sha256", result.trace_sha256}};
 }
 
-void CheckRunFolder(const std::filesystem::path& folder) {
+void CheckFolder(const std::filesystem::path& folder, const std::string& mark) {
   std::error_code error;
   const auto status = std::filesystem::status(folder, error);
   if (!std::filesystem::exists(status)) return;
   if (!std::filesystem::is_directory(status))
-    throw InputError(folder, {}, "", "a file stands where the run folder is to go");
-  const bool ours = std::filesystem::exists(folder / "result.json", error);
+    throw InputError(folder, {}, "", "a file stands where the output folder is to go");
+  const bool ours = std::filesystem::exists(folder / mark, error);
   if (!ours && !std::filesystem::is_empty(folder, error)) {
-    throw InputError(folder, {}, "",
-                     "holds other files than a run's: name a new or an empty folder");
+    throw InputError(folder, {}, "", "holds files of another kind: name a new or an empty folder");
   }
 }
 
-void WriteRunFolder(const std::filesystem::path& wanted, const RunFiles& files) {
+void WriteFolder(const std::filesystem::path& wanted, const FolderFiles& files) {
+  if (files.empty()) throw std::invalid_argument("WriteFolder: no files");
   const std::filesystem::path folder =
       std::filesystem::absolute(wanted.has_filename() ? wanted : wanted.parent_path())
           .lexically_normal();
-  CheckRunFolder(folder);
+  CheckFolder(folder, files.front().first);
   const std::filesystem::path fresh = Beside(folder, "part");
   const std::filesystem::path old = Beside(folder, "old");
   const Scaffold remove_fresh(fresh), remove_old(old);

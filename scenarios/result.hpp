@@ -34,17 +34,18 @@ struct Result {
 /// are left out where there is none.
 [[nodiscard]] nlohmann::ordered_json ToJson(const Result& result);
 
-/// Files of a run folder by name, with their bytes.
-using RunFiles = std::vector<std::pair<std::string, std::string>>;
+/// Files of an output folder by name, with their bytes. The first is the folder's mark: only a
+/// folder that holds a file of this name is taken for an earlier output and replaced.
+using FolderFiles = std::vector<std::pair<std::string, std::string>>;
 
-/// Refuses a place that WriteRunFolder would refuse, before a long run begins.
-/// @throws InputError if `folder` exists and is no run folder (holds no result.json) and is not
-/// empty.
-void CheckRunFolder(const std::filesystem::path& folder);
+/// Refuses a place that WriteFolder would refuse, before long work begins.
+/// @throws InputError if a file stands there, or a folder that is neither empty nor marked.
+void CheckFolder(const std::filesystem::path& folder, const std::string& mark);
 
-/// Writes a run folder as a whole: everything goes into a folder beside it, which then takes its
-/// name. A run folder that already stands there is replaced. On failure nothing is left behind.
-/// @throws InputError as CheckRunFolder, or if the place cannot be written.
-void WriteRunFolder(const std::filesystem::path& folder, const RunFiles& files);
+/// Writes a folder as a whole: everything goes into one beside it, which then takes its name. On
+/// failure nothing is left behind. @throws InputError as CheckFolder, or if the place cannot be
+/// written.
+/// @throws std::invalid_argument without files.
+void WriteFolder(const std::filesystem::path& folder, const FolderFiles& files);
 
 }  // namespace kantaro::scenarios

@@ -135,24 +135,6 @@ Start ParseStart(const YamlNode& node, const network::Network& network) {
   return start;
 }
 
-Goal ParseGoal(const YamlNode& node, const network::Network& network) {
-  node.AllowOnly({"manhole", "pipe", "at_m"});
-  Goal goal;
-  const auto manhole = node.Find("manhole");
-  const auto pipe = node.Find("pipe");
-  if (manhole.has_value() == pipe.has_value())
-    throw node.Error("either a manhole or a pipe is wanted here");
-  if (manhole) {
-    if (const auto at = node.Find("at_m")) throw at->Error("only a goal in a pipe has a chainage");
-    goal.manhole = ParseManhole(*manhole, network);
-  } else {
-    const network::Pipe& goal_pipe = ParsePipe(*pipe, network);
-    goal.pipe = goal_pipe.name;
-    goal.at_m = node["at_m"].Number(0.0, network::PipeAxis(network, goal_pipe).length_m());
-  }
-  return goal;
-}
-
 std::set<Sense> ParseBlind(const YamlNode& node) {
   std::set<Sense> senses;
   for (const YamlNode& word : node.Elements()) {
@@ -167,38 +149,27 @@ std::set<Sense> ParseBlind(const YamlNode& node) {
   return senses;
 }
 
-/// Appends the shortest way between two manholes. @returns false if there is none.
-bool AppendRoute(const network::Network& network, const std::string& from, const std::string& to,
-                 std::vector<network::RouteLeg>& route) {
-  if (from == to) return true;
-  const std::vector<network::RouteLeg> legs = network::ShortestRoute(network, from, to);
-  route.insert(route.end(), legs.begin(), legs.end());
-  return !legs.empty();
+/// Empty if there is no way between two of the manholes.
+std::vector<network::RouteLeg> RouteOver(const network::Network& network,
+                                         const std::vector<std::string>& manholes) {
+  std::vector<network::RouteLeg> route;
+  for (std::size_t i = 0; i + 1 < manholes.size(); ++i) {
+    const std::vector<network::RouteLeg> legs =
+        network::ShortestRoute(network, manholes[i], manholes[i + 1]);
+    if (legs.empty()) return {};
+    route.insert(route.end(), legs.begin(), legs.end());
+  }
+  return route;
 }
 
-double LengthOf(const network::Network& network, const std::vector<network::RouteLeg>& route) {
-  double length_m = 0.0;
-  for (const network::RouteLeg& leg : route) {
-    length_m += network::PipeAxis(network, network.PipeNamed(leg.pipe)).length_m();
+void CheckRoute(const YamlNode& root, const Scenario& scenario) {
+  const std::vector<network::RouteLeg> route = PlannedRoute(scenario);
+  if (route.empty())
+    throw root["goal"].Error("no way leads there through pipes that KANTARO can enter");
+  if (route.front().pipe != scenario.start.pipe) {
+    throw root["start"].Error(fmt::format(
+        "pipe \"{}\" leads to the same manhole and is shorter: start there", route.front().pipe));
   }
-  return length_m;
-}
-
-/// Extends a route that stands at manhole `from` into the goal's pipe, from its nearer end.
-std::vector<network::RouteLeg> RouteIntoPipe(const network::Network& network,
-                                             const std::string& from, const network::Pipe& pipe) {
-  std::vector<network::RouteLeg> best;
-  for (const bool downstream : {true, false}) {
-    std::vector<network::RouteLeg> legs;
-    if (!AppendRoute(network, from, downstream ? pipe.upstream : pipe.downstream, legs)) continue;
-    // A way that already ran through the pipe has passed the goal.
-    if (std::any_of(legs.begin(), legs.end(),
-                    [&](const auto& leg) { return leg.pipe == pipe.name; }))
-      continue;
-    legs.push_back({pipe.name, downstream});
-    if (best.empty() || LengthOf(network, legs) < LengthOf(network, best)) best = legs;
-  }
-  return best;
 }
 
 }  // namespace
@@ -218,29 +189,31 @@ std::string ToString(Sense sense) {
   throw std::invalid_argument("unknown sense");
 }
 
-std::vector<network::RouteLeg> PlannedRoute(const network::Network& network, const Start& start,
-                                            const Goal& goal, const std::vector<std::string>& via) {
-  const network::Pipe& start_pipe = network.PipeNamed(start.pipe);
-  const bool downstream = start_pipe.upstream == start.manhole;
-  std::vector<network::RouteLeg> route{{start.pipe, downstream}};
-  if (via.empty() && goal.pipe == start.pipe &&
-      (downstream ? goal.at_m >= start.chainage_m : goal.at_m <= start.chainage_m)) {
-    return route;
+std::vector<std::string> RouteManholes(const Scenario& scenario) {
+  const network::Pipe& pipe = scenario.network.PipeNamed(scenario.start.pipe);
+  std::vector<std::string> manholes{scenario.start.manhole, pipe.upstream == scenario.start.manhole
+                                                                ? pipe.downstream
+                                                                : pipe.upstream};
+  manholes.insert(manholes.end(), scenario.via.begin(), scenario.via.end());
+  manholes.push_back(scenario.goal);
+  manholes.erase(std::unique(manholes.begin(), manholes.end()), manholes.end());
+  return manholes;
+}
+
+std::vector<network::RouteLeg> PlannedRoute(const Scenario& scenario) {
+  return RouteOver(scenario.network, RouteManholes(scenario));
+}
+
+network::Network Surroundings(const Scenario& scenario) {
+  constexpr std::size_t kSmall = 40;  // pipes
+  constexpr double kReach_m = 10.0;   // twice as far as the cameras see
+  if (scenario.network.pipes.size() <= kSmall) return scenario.network;
+  std::vector<std::string> manholes = RouteManholes(scenario);
+  for (const network::RouteLeg& leg : PlannedRoute(scenario)) {
+    const network::Pipe& pipe = scenario.network.PipeNamed(leg.pipe);
+    manholes.push_back(leg.downstream ? pipe.downstream : pipe.upstream);
   }
-  std::string here = downstream ? start_pipe.downstream : start_pipe.upstream;
-  for (const std::string& manhole : via) {
-    if (!AppendRoute(network, here, manhole, route)) return {};
-    here = manhole;
-  }
-  if (!goal.manhole.empty()) {
-    return AppendRoute(network, here, goal.manhole, route) ? route
-                                                           : std::vector<network::RouteLeg>{};
-  }
-  const std::vector<network::RouteLeg> last =
-      RouteIntoPipe(network, here, network.PipeNamed(goal.pipe));
-  if (last.empty()) return {};
-  route.insert(route.end(), last.begin(), last.end());
-  return route;
+  return network::Neighbourhood(scenario.network, manholes, kReach_m);
 }
 
 Scenario ParseScenario(const std::string& text, const std::filesystem::path& name,
@@ -263,15 +236,14 @@ Scenario ParseScenario(const std::string& text, const std::filesystem::path& nam
 
   scenario.network = read_network(scenario.network_file);
   scenario.start = ParseStart(root["start"], scenario.network);
-  scenario.goal = ParseGoal(root["goal"], scenario.network);
+  root["goal"].AllowOnly({"manhole"});
+  scenario.goal = ParseManhole(root["goal"]["manhole"], scenario.network);
   if (const auto via = root.Find("via")) {
     for (const YamlNode& manhole : via->Elements()) {
       scenario.via.push_back(ParseManhole(manhole, scenario.network));
     }
   }
-  if (PlannedRoute(scenario.network, scenario.start, scenario.goal, scenario.via).empty()) {
-    throw root["goal"].Error("no way leads there through pipes that KANTARO can enter");
-  }
+  CheckRoute(root, scenario);
   return scenario;
 }
 

@@ -21,13 +21,6 @@ struct Start {
   double chainage_m{};  ///< of the base's origin, before the seed's offset
 };
 
-/// Where the mission ends: in a manhole, or at a chainage of a pipe.
-struct Goal {
-  std::string manhole;  ///< empty if the goal lies in a pipe
-  std::string pipe;     ///< empty if the goal is a manhole
-  double at_m{};        ///< chainage in `pipe`
-};
-
 /// An interval from which a seed draws uniformly.
 struct Interval {
   double low{}, high{};
@@ -35,9 +28,9 @@ struct Interval {
 
 /// What a seed may change. The defaults change nothing.
 struct Variation {
-  double start_offset_m{};           ///< the start moves along the pipe by up to this, either way
-  double start_yaw_rad{};            ///< and turns by up to this, either way
-  std::optional<Interval> friction;  ///< between tyre and wall; absent: the wall material's own
+  double start_offset_m{};      ///< the start moves along the pipe by up to this, either way
+  double start_yaw_rad{};       ///< and turns by up to this, either way
+  Interval friction{0.7, 0.7};  ///< tyre on wall; dry plastic
   double motor_mismatch{};   ///< left motors run faster and right ones slower by up to this share,
                              ///< or the reverse
   double map_error{};        ///< the map's pipe lengths are off by up to this share, either way
@@ -70,7 +63,7 @@ struct Scenario {
   std::filesystem::path robot_folder;  ///< holds kantaro.urdf and its companions
   network::Network network;            ///< the truth
   Start start;
-  Goal goal;
+  std::string goal;              ///< manhole where the mission ends
   std::vector<std::string> via;  ///< manholes to pass, in order
   double time_limit_s{};         ///< simulated
   Variation variation;
@@ -89,12 +82,15 @@ using NetworkReader = std::function<network::Network(const std::filesystem::path
 [[nodiscard]] Scenario ParseScenario(const std::string& text, const std::filesystem::path& name,
                                      const NetworkReader& read_network);
 
-/// The way from the start to the goal, beginning with the start pipe. Shortest between the start
-/// pipe's far end, each `via` and the goal; where the goal lies in a pipe, the last leg is that
-/// pipe.
-/// @returns empty if there is no way.
-[[nodiscard]] std::vector<network::RouteLeg> PlannedRoute(const network::Network& network,
-                                                          const Start& start, const Goal& goal,
-                                                          const std::vector<std::string>& via);
+/// Manholes in the order of the mission: the start, the far end of the start pipe, `via`, the goal;
+/// none twice in a row.
+[[nodiscard]] std::vector<std::string> RouteManholes(const Scenario& scenario);
+
+/// The shortest way over these manholes. The first leg is the start pipe.
+[[nodiscard]] std::vector<network::RouteLeg> PlannedRoute(const Scenario& scenario);
+
+/// The part of the network that matters to the mission: all of a small one, else the surroundings
+/// of the route.
+[[nodiscard]] network::Network Surroundings(const Scenario& scenario);
 
 }  // namespace kantaro::scenarios

@@ -61,17 +61,6 @@ TEST(Judge, FailsARunThatTheRobotDidNotEndItself) {
   EXPECT_THAT(FailedChecks(Judge(TeeScenario(), trace)), testing::ElementsAre("finished_in_time"));
 }
 
-TEST(Judge, MeasuresAGoalInAPipeAlongIt) {
-  Scenario scenario = TeeScenario();
-  scenario.goal = {"", "B-M2", 1.0};
-  MissionTrace trace = PerfectMission();
-  while (trace.truth.back().place.chainage_m < 1.2) {  // driving upstream: chainage falls
-    trace.truth.pop_back();
-    trace.estimate.pop_back();
-  }
-  EXPECT_NEAR(Find(Judge(scenario, trace), "goal_reached").value, 0.2, 0.007);
-}
-
 TEST(Judge, ForbidsATurnWhereThereIsNoJunction) {
   MissionTrace trace = PerfectMission();
   // After 10 s the robot is at x = 2.1 m, 4.5 m before the tee's shaft wall at x = 6.6 m.

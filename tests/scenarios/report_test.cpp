@@ -88,7 +88,7 @@ TEST(Report, EscapesEveryNameFromAFile) {
   }
   scenario.start.manhole += evil;
   scenario.start.pipe += evil;
-  scenario.goal.manhole += evil;
+  scenario.goal += evil;
   MissionTrace trace = PerfectMission();
   for (TruthSample& sample : trace.truth) {
     (sample.place.pipe.empty() ? sample.place.manhole : sample.place.pipe) += evil;

@@ -13,15 +13,15 @@ namespace kantaro::scenarios {
 namespace {
 
 /// An empty folder of one test, gone with it.
-class RunFolder : public testing::Test {
+class OutputFolder : public testing::Test {
  protected:
-  RunFolder()
+  OutputFolder()
       : root_(std::filesystem::path(testing::TempDir()) /
               testing::UnitTest::GetInstance()->current_test_info()->name()) {
     std::filesystem::remove_all(root_);
     std::filesystem::create_directories(root_);
   }
-  ~RunFolder() override { std::filesystem::remove_all(root_); }
+  ~OutputFolder() override { std::filesystem::remove_all(root_); }
 
   [[nodiscard]] std::vector<std::string> Names() const {
     std::vector<std::string> names;
@@ -33,24 +33,24 @@ class RunFolder : public testing::Test {
   std::filesystem::path root_;
 };
 
-TEST_F(RunFolder, ReplacesTheRunThatStoodThere) {
-  WriteRunFolder(root_ / "run", {{"result.json", "{}"}, {"old.txt", "old"}});
-  WriteRunFolder(root_ / "run", {{"result.json", "{1}"}});
+TEST_F(OutputFolder, ReplacesAnEarlierOneOfItsKind) {
+  WriteFolder(root_ / "run", {{"result.json", "{}"}, {"old.txt", "old"}});
+  WriteFolder(root_ / "run", {{"result.json", "{1}"}});
   EXPECT_EQ(ReadInputFile(root_ / "run" / "result.json"), "{1}");
   EXPECT_FALSE(std::filesystem::exists(root_ / "run" / "old.txt"));
   EXPECT_THAT(Names(), testing::ElementsAre("run"));
 }
 
-TEST_F(RunFolder, LeavesAnotherFolderAlone) {
+TEST_F(OutputFolder, LeavesAnotherFolderAlone) {
   WriteFileAtomically(root_ / "thesis" / "chapter1.txt", "precious");
-  EXPECT_THROW(WriteRunFolder(root_ / "thesis", {{"result.json", "{}"}}), InputError);
+  EXPECT_THROW(WriteFolder(root_ / "thesis", {{"result.json", "{}"}}), InputError);
   EXPECT_EQ(ReadInputFile(root_ / "thesis" / "chapter1.txt"), "precious");
   EXPECT_THAT(Names(), testing::ElementsAre("thesis"));
 }
 
-TEST_F(RunFolder, LeavesNothingBehindWhereItCannotWrite) {
+TEST_F(OutputFolder, LeavesNothingBehindWhereItCannotWrite) {
   WriteFileAtomically(root_ / "file", "x");
-  EXPECT_THROW(WriteRunFolder(root_ / "file" / "run", {{"result.json", "{}"}}), InputError);
+  EXPECT_THROW(WriteFolder(root_ / "file" / "run", {{"result.json", "{}"}}), InputError);
   EXPECT_THAT(Names(), testing::ElementsAre("file"));
 }
 

@@ -101,22 +101,35 @@ TEST(Scenario, RefusesAGoalThatNoEnterablePipeLeadsTo) {
 
 TEST(PlannedRoute, BeginsWithTheStartPipeAndKnowsItsDirections) {
   const Scenario scenario = TeeScenario();
-  EXPECT_THAT(PipesOf(PlannedRoute(scenario.network, scenario.start, scenario.goal, {})),
-              testing::ElementsAre("S-M1", "M1-M2", "-B-M2"));
+  EXPECT_THAT(PipesOf(PlannedRoute(scenario)), testing::ElementsAre("S-M1", "M1-M2", "-B-M2"));
 }
 
 TEST(PlannedRoute, PassesTheManholesInBetween) {
-  const Scenario scenario = TeeScenario();
-  EXPECT_THAT(PipesOf(PlannedRoute(scenario.network, scenario.start, scenario.goal, {"E"})),
+  Scenario scenario = TeeScenario();
+  scenario.via = {"M1", "E"};
+  EXPECT_THAT(PipesOf(PlannedRoute(scenario)),
               testing::ElementsAre("S-M1", "M1-M2", "M2-E", "-M2-E", "-B-M2"));
 }
 
-TEST(PlannedRoute, EndsInThePipeOfItsGoal) {
-  const Scenario scenario = TeeScenario();
-  EXPECT_THAT(PipesOf(PlannedRoute(scenario.network, scenario.start, {"", "M2-E", 1.0}, {})),
-              testing::ElementsAre("S-M1", "M1-M2", "M2-E"));
-  EXPECT_THAT(PipesOf(PlannedRoute(scenario.network, scenario.start, {"", "S-M1", 2.0}, {})),
-              testing::ElementsAre("S-M1"));
+TEST(Scenario, RefusesAStartPipeThatIsNotTheShortestToItsEnd) {
+  const auto with_detour = [](const std::filesystem::path&) {
+    network::Network network = TeeNetwork();
+    network::Pipe detour = network.pipes[0];
+    detour.name = "detour";
+    detour.joints.clear();
+    detour.faults.clear();
+    detour.bends = {{{2.0, 1.5}, 0.5}};
+    network.pipes.push_back(detour);
+    return network;
+  };
+  try {
+    static_cast<void>(
+        ParseScenario(Replaced(kTee, "pipe: S-M1", "pipe: detour"), "tee.yaml", with_detour));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(),
+                testing::HasSubstr("pipe \"S-M1\" leads to the same manhole and is shorter"));
+  }
 }
 
 TEST(Conditions, RepeatForASeedAndDifferBetweenSeeds) {
@@ -150,7 +163,7 @@ TEST(Conditions, ChangeNothingByDefault) {
   const Conditions conditions = DrawConditions(scenario, 3);
   EXPECT_EQ(conditions.start_chainage_m, 0.5);
   EXPECT_EQ(conditions.start_yaw_rad, 0.0);
-  EXPECT_FALSE(conditions.friction.has_value());
+  EXPECT_EQ(conditions.friction, 0.7);
   EXPECT_EQ(conditions.texture, DrawConditions(scenario, 4).texture);
   EXPECT_EQ(conditions.light, 1.0);
 }

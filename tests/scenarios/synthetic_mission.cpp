@@ -104,7 +104,7 @@ Scenario TeeScenario() {
   scenario.network_file = "tee_network.yaml";
   scenario.network = TeeNetwork();
   scenario.start = {"S", "S-M1", 0.5};
-  scenario.goal = {"B", "", 0.0};
+  scenario.goal = "B";
   scenario.time_limit_s = 200.0;
   return scenario;
 }

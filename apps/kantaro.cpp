@@ -1,0 +1,161 @@
+// The command line: argument parsing and nothing else.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <iostream>
+#include <thread>
+
+#include "base/input_error.hpp"
+#include "scenarios/commands.hpp"
+
+namespace {
+
+using kantaro::InputError;
+namespace scenarios = kantaro::scenarios;
+
+/// A whole number or a decimal one, all of the word. @throws InputError naming the option.
+template <typename Number>
+Number Parse(const std::string& option, const std::string& word, Number low, Number high) {
+  Number value{};
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc() || end != word.data() + word.size() ||
+      !(value >= low && value <= high)) {
+    throw InputError(option, {}, "",
+                     fmt::format("\"{}\" is not a number from {} to {}", word, low, high));
+  }
+  return value;
+}
+
+std::uint64_t ParseSeed(const std::string& word) {
+  return Parse<std::uint64_t>("--seed", word, 0, std::numeric_limits<std::uint64_t>::max());
+}
+
+std::set<scenarios::Sense> ParseBlind(const std::vector<std::string>& words) {
+  std::set<scenarios::Sense> senses;
+  for (const std::string& word : words) senses.insert(scenarios::ParseSense(word, "--blind"));
+  return senses;
+}
+
+template <typename Value>
+std::optional<std::filesystem::path> Given(const Value& word) {
+  return word.empty() ? std::nullopt : std::optional<std::filesystem::path>(word);
+}
+
+/// Words of the command line, before they are checked.
+struct Words {
+  std::vector<std::string> paths, blind;
+  std::string file, to, out, junit, baseline, pipe, chainage;
+  std::string seed{"1"}, seeds{"1"}, jobs;
+  bool json{};
+};
+
+int Dispatch(const CLI::App& app, const Words& words) {
+  if (app.got_subcommand("run")) {
+    scenarios::RunRequest request{{words.paths.begin(), words.paths.end()},
+                                  ParseSeed(words.seed),
+                                  Given(words.out),
+                                  ParseBlind(words.blind),
+                                  words.json};
+    return scenarios::Run(request, std::cout);
+  }
+  if (app.got_subcommand("suite")) {
+    const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
+    scenarios::SuiteRequest request;
+    request.paths = {words.paths.begin(), words.paths.end()};
+    request.seeds = Parse<std::uint64_t>("--seeds", words.seeds, 1, 1000000);
+    request.jobs = words.jobs.empty() ? cores : Parse<unsigned>("--jobs", words.jobs, 1, 1024);
+    request.junit = Given(words.junit);
+    request.baseline = Given(words.baseline);
+    request.out = Given(words.out);
+    request.blind = ParseBlind(words.blind);
+    request.json = words.json;
+    request.program = std::filesystem::read_symlink("/proc/self/exe");
+    return scenarios::Suite(request, std::cout);
+  }
+  if (app.got_subcommand("network")) {
+    return scenarios::DescribeNetwork({words.file, Given(words.to), words.json}, std::cout);
+  }
+  return scenarios::Render(
+      {words.file, words.pipe, Parse<double>("--chainage", words.chainage, 0.0, 1e6),
+       ParseSeed(words.seed), Given(words.out), words.json},
+      std::cout);
+}
+
+void Declare(CLI::App& app, Words& words) {
+  app.require_subcommand(1);
+  const auto command = [&](const char* name, const char* does) {
+    CLI::App* sub = app.add_subcommand(name, does);
+    sub->add_flag("--json", words.json, "print one JSON document and nothing else");
+    return sub;
+  };
+  CLI::App* run =
+      command("run", "Run missions, one after the other, and write a run folder for each.");
+  run->add_option("SCENARIO", words.paths, "scenario files")->required();
+  run->add_option("--seed", words.seed, "what the variation is drawn from (default 1)");
+  run->add_option("--out", words.out, "run folder (default runs/NAME/seed-N)");
+  run->add_option("--blind", words.blind, "senses to take from the robot: laser,infrared,cameras")
+      ->delimiter(',');
+
+  CLI::App* suite = command(
+      "suite", "Run many missions, each in a process of its own, and compare with a baseline.");
+  suite->add_option("PATH", words.paths, "scenario files, or folders of them")->required();
+  suite->add_option("--seeds", words.seeds, "run seeds 1 to K of each (default 1)");
+  suite->add_option("--jobs", words.jobs, "missions at once (default: one for each core)");
+  suite->add_option("--junit", words.junit, "write JUnit XML here");
+  suite->add_option("--baseline", words.baseline, "suite.json of an earlier suite");
+  suite->add_option("--out", words.out,
+                    "folder of suite.json and the run folders (default runs/suite)");
+  suite->add_option("--blind", words.blind, "senses to take from the robot: laser,infrared,cameras")
+      ->delimiter(',');
+
+  CLI::App* network = command("network", "Check, describe and convert a sewer network.");
+  network->add_option("FILE", words.file, "a network: the project's .yaml, or EPA SWMM .inp")
+      ->required();
+  network->add_option("--to", words.to, "write it as the project's YAML here");
+
+  CLI::App* render =
+      command("render", "Show what each camera sees at a place, with depth and ground truth.");
+  render->add_option("SCENARIO", words.file, "scenario file")->required();
+  render->add_option("--pipe", words.pipe, "pipe to stand in")->required();
+  render->add_option("--chainage", words.chainage, "place in it, m from its upstream manhole")
+      ->required();
+  render->add_option("--seed", words.seed, "what the conditions are drawn from (default 1)");
+  render->add_option("--out", words.out,
+                     "folder for the pictures (default runs/NAME/view-PIPE-CHAINAGE)");
+}
+
+/// One line, whatever names from files it quotes.
+std::string OneLine(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, ' ');
+  return text;
+}
+
+int Complain(const std::string& what, int code) {
+  std::cerr << "kantaro: " << OneLine(what) << '\n';
+  return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("KANTARO Twin: rehearse the missions of a sewer inspection robot.", "kantaro");
+  Words words;
+  Declare(app, words);
+  try {
+    app.parse(argc, argv);
+    return Dispatch(app, words);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    return Complain(error.what(), scenarios::kExitBadInput);
+  } catch (const InputError& error) {
+    return Complain(error.what(), scenarios::kExitBadInput);
+  } catch (const std::exception& error) {
+    return Complain(fmt::format("internal fault: {}", error.what()), scenarios::kExitInternalFault);
+  }
+}

@@ -1,0 +1,172 @@
+#include "scenarios/commands.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <iostream>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "base/files.hpp"
+#include "base/input_error.hpp"
+#include "network/formats.hpp"
+#include "scenarios/result.hpp"
+#include "scenarios/runner.hpp"
+#include "scenarios/suite.hpp"
+#include "scenarios/view.hpp"
+
+namespace kantaro::scenarios {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// A line on standard error that is written over and over; silent unless that is a terminal.
+class ProgressLine {
+ public:
+  ProgressLine() = default;
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+  ~ProgressLine() { Show(""); }
+
+  void Show(const std::string& text) const {
+    if (terminal_) std::cerr << "\r\x1b[K" << text << std::flush;
+  }
+
+ private:
+  bool terminal_{isatty(STDERR_FILENO) == 1};
+};
+
+std::string ResultText(const Result& result, const std::filesystem::path& folder) {
+  std::string text =
+      fmt::format("{} seed {}: {} ({:.1f} s simulated, {:.1f} times real time)\n", result.scenario,
+                  result.seed, result.verdict.passed ? "passed" : "FAILED", result.timing.sim_s,
+                  result.timing.RealTimeFactor());
+  for (const Check& check : result.verdict.checks) {
+    text += fmt::format("  {} {:<26}{}\n", check.passed ? "ok  " : "FAIL", check.name, check.text);
+  }
+  return text + fmt::format("report: {}\n", (folder / "report.html").string());
+}
+
+std::filesystem::path FolderOf(const RunRequest& request, const Scenario& scenario) {
+  if (request.out && request.scenarios.size() == 1) return *request.out;
+  return request.out.value_or("runs") / scenario.name / fmt::format("seed-{}", request.seed);
+}
+
+std::vector<Scenario> ReadAll(const RunRequest& request) {
+  std::vector<Scenario> scenarios;
+  std::map<std::string, std::filesystem::path> names;
+  for (const std::filesystem::path& file : request.scenarios) {
+    Scenario scenario = ReadScenario(file);
+    scenario.blind.insert(request.blind.begin(), request.blind.end());
+    if (const auto [known, is_new] = names.emplace(scenario.name, file); !is_new) {
+      throw InputError(
+          file, {}, "name",
+          fmt::format("\"{}\" is also the name of {}", scenario.name, known->second.string()));
+    }
+    CheckFolder(FolderOf(request, scenario), "result.json");
+    scenarios.push_back(std::move(scenario));
+  }
+  return scenarios;
+}
+
+Result RunOne(const Scenario& scenario, std::uint64_t seed, const std::filesystem::path& folder) {
+  const ProgressLine line;
+  RunOptions options;
+  options.progress = [&](double sim_s, double limit_s) {
+    line.Show(fmt::format("{} seed {}: {:.0f} s of at most {:.0f} s", scenario.name, seed, sim_s,
+                          limit_s));
+  };
+  const MissionRun run = RunMission(scenario, seed, options);
+  WriteRun(folder, scenario, run);
+  return run.result;
+}
+
+std::string BlindWords(const std::set<Sense>& blind) {
+  std::string words;
+  for (const Sense sense : blind) words += (words.empty() ? "" : ",") + ToString(sense);
+  return words;
+}
+
+}  // namespace
+
+int Run(const RunRequest& request, std::ostream& out) {
+  const std::vector<Scenario> scenarios = ReadAll(request);
+  Json results = Json::array();
+  bool passed = true;
+  for (const Scenario& scenario : scenarios) {
+    const std::filesystem::path folder = FolderOf(request, scenario);
+    const Result result = RunOne(scenario, request.seed, folder);
+    passed = passed && result.verdict.passed;
+    results.push_back(ToJson(result));
+    if (!request.json) out << ResultText(result, folder) << std::flush;
+  }
+  if (request.json) out << (results.size() == 1 ? results.front() : results).dump(2) << '\n';
+  return passed ? kExitPassed : kExitFailed;
+}
+
+int Suite(const SuiteRequest& request, std::ostream& out) {
+  SuiteOptions options{request.paths,   request.seeds,
+                       request.jobs,    request.out.value_or("runs/suite"),
+                       request.program, {}};
+  if (!request.blind.empty()) options.extra = {"--blind", BlindWords(request.blind)};
+  const std::string baseline = request.baseline ? ReadInputFile(*request.baseline) : "";
+  if (request.baseline) static_cast<void>(CompareWithBaseline({}, baseline, *request.baseline));
+  const std::vector<SuiteCase> cases = ListCases(options);
+  for (const SuiteCase& mission : cases) CheckFolder(mission.run_folder, "result.json");
+
+  std::vector<CaseResult> results;
+  {
+    const ProgressLine line;
+    std::size_t failed = 0;
+    line.Show(fmt::format("0 of {} missions", cases.size()));
+    results =
+        RunCases(cases, options, [&](const CaseResult& result, std::size_t done, std::size_t all) {
+          failed += result.outcome == CaseResult::Outcome::kPassed ? 0 : 1;
+          line.Show(fmt::format("{} of {} missions, {} not passed; last: {} seed {}", done, all,
+                                failed, result.mission.scenario, result.mission.seed));
+        });
+  }
+  std::optional<Comparison> comparison;
+  if (request.baseline) comparison = CompareWithBaseline(results, baseline, *request.baseline);
+  const Comparison* compared = comparison ? &*comparison : nullptr;
+  const std::string json = SuiteJson(results, compared, options.out).dump(2) + "\n";
+  WriteFileAtomically(options.out / "suite.json", json);
+  if (request.junit) WriteFileAtomically(*request.junit, JunitXml(results));
+  out << (request.json ? json : SuiteTable(results, compared));
+  if (!request.json) out << fmt::format("results: {}\n", (options.out / "suite.json").string());
+  return AllPassed(results) ? kExitPassed : kExitFailed;
+}
+
+int DescribeNetwork(const NetworkRequest& request, std::ostream& out) {
+  const network::Network network = network::ReadNetwork(request.file);
+  const std::string text =
+      request.json ? network::DescribeJson(network) : network::Describe(network);
+  if (request.to) {
+    if (request.to->extension() != ".yaml" && request.to->extension() != ".yml") {
+      throw InputError("--to", {}, "",
+                       fmt::format("\"{}\" does not end in .yaml, the format that is written",
+                                   request.to->string()));
+    }
+    WriteFileAtomically(*request.to, network::ToYaml(network));
+  }
+  out << text << (text.ends_with('\n') ? "" : "\n");
+  return kExitPassed;
+}
+
+int Render(const RenderRequest& request, std::ostream& out) {
+  const Scenario scenario = ReadScenario(request.scenario);
+  const std::filesystem::path folder =
+      request.out.value_or(std::filesystem::path("runs") / scenario.name /
+                           fmt::format("view-{}-{:.2f}", request.pipe, request.chainage_m));
+  CheckFolder(folder, "truth.json");
+  const FolderFiles files = RenderView(scenario, request.pipe, request.chainage_m, request.seed);
+  WriteFolder(folder, files);
+  if (request.json) {
+    out << files.front().second;
+  } else {
+    for (const auto& [name, bytes] : files) out << (folder / name).string() << '\n';
+  }
+  return kExitPassed;
+}
+
+}  // namespace kantaro::scenarios

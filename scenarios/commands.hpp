@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <iosfwd>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "scenarios/scenario.hpp"
+
+namespace kantaro::scenarios {
+
+/// Exit codes of the program.
+inline constexpr int kExitPassed = 0;    ///< done and passed
+inline constexpr int kExitFailed = 1;    ///< done and a verdict failed
+inline constexpr int kExitBadInput = 2;  ///< bad usage or bad input
+inline constexpr int kExitInternalFault = 3;
+
+// The commands of the command line. Each writes what it has to say to `out`, one JSON document and
+// nothing else if `json` is set; progress goes to standard error, and only if that is a terminal.
+// Returns the exit code. Bad input throws InputError before anything is written.
+
+struct RunRequest {
+  std::vector<std::filesystem::path> scenarios;
+  std::uint64_t seed{1};
+  std::optional<std::filesystem::path>
+      out;                ///< the run folder; of several scenarios, the folder of their run folders
+  std::set<Sense> blind;  ///< beside the scenarios' own
+  bool json{};
+};
+/// Runs each scenario once. With several, the JSON document is a list of results.
+int Run(const RunRequest& request, std::ostream& out);
+
+struct SuiteRequest {
+  std::vector<std::filesystem::path> paths;
+  std::uint64_t seeds{1};
+  unsigned jobs{1};
+  std::optional<std::filesystem::path> junit, baseline, out;
+  std::set<Sense> blind;
+  bool json{};
+  std::filesystem::path program;  ///< this program, to run each mission in a process of its own
+};
+/// Runs missions times seeds 1 … K and writes `suite.json` beside their run folders.
+int Suite(const SuiteRequest& request, std::ostream& out);
+
+struct NetworkRequest {
+  std::filesystem::path file;
+  std::optional<std::filesystem::path> to;  ///< where to write it as the project's YAML
+  bool json{};
+};
+int DescribeNetwork(const NetworkRequest& request, std::ostream& out);
+
+struct RenderRequest {
+  std::filesystem::path scenario;
+  std::string pipe;
+  double chainage_m{};
+  std::uint64_t seed{1};
+  std::optional<std::filesystem::path> out;
+  bool json{};
+};
+int Render(const RenderRequest& request, std::ostream& out);
+
+}  // namespace kantaro::scenarios

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+
+#include "scenarios/conditions.hpp"
+#include "scenarios/mission_trace.hpp"
+#include "scenarios/result.hpp"
+#include "scenarios/scenario.hpp"
+
+namespace kantaro::scenarios {
+
+struct RunOptions {
+  int render_threads{2};  ///< decides speed, never a result
+  /// Told now and then how far the run is: simulated time and its limit [s]. May be empty.
+  std::function<void(double sim_s, double limit_s)> progress;
+};
+
+/// A mission that was run and judged.
+struct MissionRun {
+  Conditions conditions;
+  MissionTrace trace;
+  Result result;
+};
+
+/// Runs a mission on the twin: hardware, perception and executive in a loop until the robot stops
+/// or the time is up, then judges it. Same scenario and seed, same trace.
+/// @throws InputError for a bad robot folder. @throws std::runtime_error where the twin cannot run
+/// (no off-screen OpenGL).
+[[nodiscard]] MissionRun RunMission(const Scenario& scenario, std::uint64_t seed,
+                                    const RunOptions& options);
+
+/// `result.json`, `report.html` and the camera frames, into the run folder as a whole.
+void WriteRun(const std::filesystem::path& folder, const Scenario& scenario, const MissionRun& run);
+
+}  // namespace kantaro::scenarios

@@ -1,0 +1,192 @@
+#include "scenarios/trace_recorder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "network/pipe_axis.hpp"
+#include "scenarios/judge.hpp"
+
+namespace kantaro::scenarios {
+namespace {
+
+/// The report's strip: enough for a page, and some 60 kB each.
+constexpr std::size_t kMostFrames = 24;
+constexpr int kThumbnail_px = 176;
+/// A laser status counts once it has held for so many revolutions, 0.1 s.
+constexpr int kSettled = 3;
+
+std::string Jpeg(const cv::Mat& image) {
+  std::vector<unsigned char> bytes;
+  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, 82});
+  return {bytes.begin(), bytes.end()};
+}
+
+std::string ToString(navigation::Event::Kind kind) {
+  switch (kind) {
+    case navigation::Event::Kind::kLandmark:
+      return "landmark";
+    case navigation::Event::Kind::kManoeuvre:
+      return "manoeuvre";
+    case navigation::Event::Kind::kTrouble:
+      return "trouble";
+    case navigation::Event::Kind::kArrival:
+      return "arrival";
+  }
+  throw std::invalid_argument("no such kind of event");
+}
+
+/// How telling a laser's view is for the report, and what it shows.
+std::pair<int, std::string> Describe(perception::LaserStatus status) {
+  switch (status) {
+    case perception::LaserStatus::kNoLandmark:
+      return {0, "Plain pipe"};
+    case perception::LaserStatus::kOutsideThePipe:
+      return {1, "Outside the pipe"};
+    case perception::LaserStatus::kInletLeft:
+      return {2, "Inlet to the left"};
+    case perception::LaserStatus::kInletRight:
+      return {2, "Inlet to the right"};
+    case perception::LaserStatus::kManhole:
+      return {3, "Manhole"};
+    case perception::LaserStatus::kManholeWithJunction:
+      return {4, "Manhole with a junction"};
+  }
+  throw std::invalid_argument("no such status");
+}
+
+/// 0 < h <= 12.
+double WrapClock(double clock_h) {
+  const double wrapped = std::fmod(std::fmod(clock_h, 12.0) + 12.0, 12.0);
+  return wrapped == 0.0 ? 12.0 : wrapped;
+}
+
+}  // namespace
+
+TraceRecorder::TraceRecorder(const Scenario& scenario, const network::Network& world,
+                             const robot::Description& description)
+    : scenario_(scenario),
+      world_(world),
+      camera_(description.front_camera),
+      camera_x_m_(description.PoseInBase(camera_.link).translation().x()) {}
+
+void TraceRecorder::Add(const robot::Reading& reading) {
+  hash_.Add(reading);
+  ++trace_.readings;
+  if (const auto* front = std::get_if<robot::FrontImage>(&reading.value))
+    front_image_ = front->image;
+  if (const auto* laser = std::get_if<robot::LaserRevolution>(&reading.value)) revolution_ = *laser;
+}
+
+void TraceRecorder::Add(const perception::Observation& observation,
+                        const navigation::Executive& executive) {
+  if (const auto* attitude = std::get_if<perception::AttitudeObservation>(&observation))
+    roll_rad_ = attitude->roll_rad;
+  if (const auto* faults = std::get_if<perception::FaultObservation>(&observation))
+    Look(*faults, executive);
+  if (const auto* laser = std::get_if<perception::LaserObservation>(&observation))
+    Look(*laser, executive);
+}
+
+void TraceRecorder::Add(const robot::Command& command, navigation::Executive& executive) {
+  hash_.Add(command);
+  hash_.Add(executive.estimate());
+  ++trace_.commands;
+  for (const navigation::Event& event : executive.TakeEvents()) Keep(event);
+}
+
+void TraceRecorder::Keep(const navigation::Event& event) {
+  const double time_s = robot::Seconds(event.time);
+  trace_.events.push_back({time_s, ToString(event.kind), event.text});
+  if (front_image_.empty() || trace_.frames.size() >= kMostFrames) return;
+  trace_.frames.push_back({time_s, event.text, Jpeg(front_image_)});
+}
+
+double TraceRecorder::ChainageOf(const navigation::MapLeg& leg, double distance_m) const {
+  if (leg.downstream) return distance_m;
+  return network::PipeAxis(world_, world_.PipeNamed(leg.pipe)).length_m() - distance_m;
+}
+
+void TraceRecorder::Look(const perception::FaultObservation& faults,
+                         const navigation::Executive& executive) {
+  if (executive.phase() != navigation::Phase::kDriving)
+    return;  // the camera looks at a manhole's walls
+  const navigation::Estimate estimate = executive.estimate();
+  const navigation::MapLeg& leg = executive.route().legs[estimate.leg];
+  for (const perception::FaultCandidate& candidate : faults.candidates) {
+    const double distance_m = estimate.distance_m + camera_x_m_ + candidate.distance_m;
+    if (distance_m < 0.0 || distance_m > estimate.leg_length_m) continue;
+    // A robot with its left side high sees the crown to the left of its own 12 o'clock.
+    const double upright_h = candidate.clock_h + roll_rad_ * 6.0 / std::numbers::pi;
+    const FaultSighting sighting{
+        robot::Seconds(faults.captured_at), leg.pipe, ChainageOf(leg, distance_m),
+        WrapClock(leg.downstream ? upright_h : -upright_h), candidate.horizontal_similarity};
+    ReportedFault& report = AddSighting(trace_.faults, sighting);
+    if (report.sightings == 1) report.jpeg = Thumbnail(candidate, leg.diameter_m);
+  }
+}
+
+std::string TraceRecorder::Thumbnail(const perception::FaultCandidate& candidate,
+                                     double pipe_diameter_m) const {
+  const double radius_px = camera_.focal_px * pipe_diameter_m / 2.0 / candidate.distance_m;
+  const double angle_rad = candidate.clock_h * std::numbers::pi / 6.0;
+  const cv::Point2d middle(camera_.center_x_px + radius_px * std::sin(angle_rad),
+                           camera_.center_y_px - radius_px * std::cos(angle_rad));
+  const cv::Rect image(0, 0, front_image_.cols, front_image_.rows);
+  const int size = std::min({kThumbnail_px, image.width, image.height});
+  const int left = std::clamp(static_cast<int>(middle.x) - size / 2, 0, image.width - size);
+  const int top = std::clamp(static_cast<int>(middle.y) - size / 2, 0, image.height - size);
+  return Jpeg(front_image_(cv::Rect(left, top, size, size)));
+}
+
+void TraceRecorder::Look(const perception::LaserObservation& laser,
+                         const navigation::Executive& executive) {
+  status_run_ = laser.status == last_status_ ? status_run_ + 1 : 1;
+  last_status_ = laser.status;
+  const auto [rank, description] = Describe(laser.status);
+  if (status_run_ < kSettled || rank <= ring_rank_) return;
+  ring_rank_ = rank;
+  const navigation::Estimate estimate = executive.estimate();
+  const navigation::MapLeg& leg = executive.route().legs[estimate.leg];
+  trace_.laser_ring =
+      LaserRing{robot::Seconds(laser.captured_at),
+                fmt::format("{}, seen in {}", description,
+                            ToWords({leg.pipe, "", ChainageOf(leg, estimate.distance_m)})),
+                revolution_};
+}
+
+void TraceRecorder::Sample(double time_s, const sim::GroundTruth& truth,
+                           const navigation::Executive& executive) {
+  TruthSample sample{time_s, truth.X_WB, {}, truth.speed_m_s, truth.upper_box_touched};
+  if (truth.pipe) {
+    sample.place = {world_.pipes[*truth.pipe].name, "", truth.chainage_m};
+  } else if (truth.manhole) {
+    sample.place.manhole = world_.manholes[*truth.manhole].name;
+  }
+  trace_.truth.push_back(sample);
+  const navigation::Estimate estimate = executive.estimate();
+  const navigation::MapLeg& leg = executive.route().legs[estimate.leg];
+  trace_.estimate.push_back({time_s, leg.pipe, ChainageOf(leg, estimate.distance_m),
+                             estimate.deviation_m, ToString(executive.phase()),
+                             executive.phase() == navigation::Phase::kTurning});
+}
+
+MissionTrace TraceRecorder::Finish(double end_s, const navigation::Executive& executive) {
+  trace_.end_s = end_s;
+  trace_.finished = executive.phase() == navigation::Phase::kArrived;
+  const auto trouble = std::find_if(trace_.events.rbegin(), trace_.events.rend(),
+                                    [](const Event& event) { return event.kind == "trouble"; });
+  trace_.ending =
+      trace_.finished ? "The robot says that it has arrived."
+      : trouble == trace_.events.rend()
+          ? fmt::format("The time limit of {:.0f} s was reached.", scenario_.time_limit_s)
+          : fmt::format("The robot gave up: {}.", trouble->text);
+  trace_.sha256 = hash_.HexDigest();
+  return std::move(trace_);
+}
+
+}  // namespace kantaro::scenarios
