@@ -108,7 +108,8 @@ cv::Mat AverageImage(const cv::Mat& edges, const cv::Mat& used) {
   return average;
 }
 
-/// 0 where the panorama shows a passing ring, else 255.
+/// 0 where the panorama shows a passing ring, or what lies beyond a mouth: a manhole is no pipe's
+/// wall. Else 255.
 cv::Mat LeaveOutRings(const Ring& ring, const std::vector<RingSighting>& passing_rings,
                       double margin_px) {
   cv::Mat used(kPanoramaHeight, kPanoramaWidth, CV_8UC1, cv::Scalar(255));
@@ -127,7 +128,9 @@ cv::Mat LeaveOutRings(const Ring& ring, const std::vector<RingSighting>& passing
       const int first =
           static_cast<int>(std::ceil((ring.outer_px - radius_px - margin_px) / row_px));
       const int last =
-          static_cast<int>(std::floor((ring.outer_px - radius_px + margin_px) / row_px));
+          passing.kind == RingKind::kManholeMouth
+              ? kPanoramaHeight - 1
+              : static_cast<int>(std::floor((ring.outer_px - radius_px + margin_px) / row_px));
       for (int row = std::max(first, 0); row <= std::min(last, kPanoramaHeight - 1); ++row) {
         used.at<std::uint8_t>(row, column) = 0;
       }

@@ -23,7 +23,7 @@ struct FaultParameters {
       true};  ///< scale each panorama row to one mean brightness; the thesis does not
   double horizontal_threshold{0.97};  ///< th_h
   double vertical_threshold{0.96};    ///< th_v
-  bool ignore_joints{true};           ///< leave out pixels near a known ring; the thesis does not
+  bool ignore_joints{true};           ///< leave out known rings and manholes; the thesis does not
   double joint_margin_px{5.0};        ///< half width of what is left out, in image pixels
 };
 
@@ -64,7 +64,9 @@ inline constexpr int kPanoramaWidth = 942, kPanoramaHeight = 50;
 /// @param brightness     8-bit, one channel: the front image, not yet unrolled.
 /// @param ring           from FaultRing.
 /// @param focal_px, pipe_diameter_m  turn radii into distances.
-/// @param passing_rings  joints and mouths in this image; used only with ignore_joints.
+/// @param passing_rings  joints and mouths in this image. With ignore_joints their neighbourhood,
+/// and all that lies
+///                       beyond a mouth, is left out.
 /// @throws std::invalid_argument for another image type, or a ring that leaves the image.
 [[nodiscard]] std::vector<FaultCandidate> FindFaults(const cv::Mat& brightness, const Ring& ring,
                                                      double focal_px, double pipe_diameter_m,

@@ -332,6 +332,23 @@ class CloseUp {
     return all == 0 ? 0.0 : static_cast<double>(on) / all;
   }
 
+  /// Standard error of Contrast, from the scatter about each group's mean.
+  [[nodiscard]] double StandardError(const cv::Mat& picture, const Groups& groups,
+                                     const Fit& fit) const {
+    double squares = 0;
+    int all = 0;
+    for (const auto& group : groups) {
+      const double mean = Mean(picture, group, fit.k, fit.shift);
+      for (const int t : group) {
+        int seen = 0;
+        const double off = Mean(picture, {t}, fit.k, fit.shift, &seen) - mean;
+        squares += seen * off * off;
+        all += seen;
+      }
+    }
+    return all == 0 ? HUGE_VAL : std::sqrt(squares) / all;
+  }
+
   [[nodiscard]] const cv::Mat& line() const { return contrasts_.line; }
   [[nodiscard]] const cv::Mat& step() const { return contrasts_.step; }
   [[nodiscard]] const cv::Mat& value() const { return polar_.value; }
@@ -354,6 +371,12 @@ class CloseUp {
   Contrasts contrasts_;
 };
 
+/// Where the parabola through three neighbouring values has its maximum, from the middle one.
+double Vertex(double before, double at, double after) {
+  const double bend = before - 2 * at + after;
+  return bend < 0 ? std::clamp((before - after) / (2 * bend), -0.5, 0.5) : 0.0;
+}
+
 /// The circle of the largest contrast within `reach` pixels of the candidate's radius.
 Fit Align(const CloseUp& view, const cv::Mat& picture, const Groups& groups, int reach) {
   Fit best;
@@ -370,11 +393,8 @@ Fit Align(const CloseUp& view, const cv::Mat& picture, const Groups& groups, int
   };
   search({0, 0}, 2.0, 1.0);
   search(best.shift, 0.5, 0.5);
-  // The maximum of a parabola through three neighbours.
-  const double before = view.Contrast(picture, groups, best.k - 1, best.shift);
-  const double after = view.Contrast(picture, groups, best.k + 1, best.shift);
-  const double bend = before - 2 * best.contrast + after;
-  if (bend < 0) best.k += std::clamp((before - after) / (2 * bend), -0.5, 0.5);
+  best.k += Vertex(view.Contrast(picture, groups, best.k - 1, best.shift), best.contrast,
+                   view.Contrast(picture, groups, best.k + 1, best.shift));
   return best;
 }
 
@@ -395,14 +415,13 @@ struct ArcEdges {
 struct Arc {
   cv::Point2d center;
   double radius_px{};  ///< of the ring in the plane of the crown's edge
-  double score{};      ///< slopes of the edges on it
 };
 
 /// Looks `reach` pixels to either side of where the saddle lies about an arc.
 ArcEdges FindEdges(const cv::Mat& log_brightness, const Optics& optics, const Arc& arc, int reach,
                    const std::vector<double>& signs, double side) {
   const int deepest = static_cast<int>(std::ceil(optics.bow * arc.radius_px * arc.radius_px));
-  const int half = reach + deepest + 3, middle = static_cast<int>(std::lround(arc.radius_px));
+  const int half = reach + deepest + 4, middle = static_cast<int>(std::lround(arc.radius_px));
   const Polar polar = Unroll(log_brightness, arc.center, middle - half, middle + half);
   ArcEdges edges;
   for (std::size_t group = 0; group < signs.size(); ++group) {
@@ -410,13 +429,13 @@ ArcEdges FindEdges(const cv::Mat& log_brightness, const Optics& optics, const Ar
       const float* value = polar.value.ptr<float>(t);
       const int about =
           half + static_cast<int>(std::lround(Saddle(optics, arc.radius_px, t, side)));
+      const auto slope = [&](int k) {
+        return signs[group] * (value[k + 1] + value[k + 2] - value[k - 1] - value[k - 2]) / 2;
+      };
       for (int k = about - reach; k <= about + reach; ++k) {
-        if (!polar.Visible(t, k)) continue;
-        const double slope =
-            signs[group] * (value[k + 1] + value[k + 2] - value[k - 1] - value[k - 2]) / 2;
-        if (slope <= edges.slope[t]) continue;
-        edges.slope[t] = slope;
-        edges.radius_px[t] = middle + k - half;
+        if (!polar.Visible(t, k) || slope(k) <= edges.slope[t]) continue;
+        edges.slope[t] = slope(k);
+        edges.radius_px[t] = middle + k - half + Vertex(slope(k - 1), slope(k), slope(k + 1));
       }
     }
   }
@@ -435,7 +454,6 @@ Arc SolveArc(const ArcEdges& edges, const Optics& optics, Arc arc, double side) 
     const Eigen::Vector3d now(arc.radius_px, arc.center.x - first.x, arc.center.y - first.y);
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    arc.score = 0;
     for (int t = 0; t < kDirections; ++t) {
       if (edges.slope[t] <= 0) continue;
       const Eigen::Vector3d row(1, Directions()[t].x, Directions()[t].y);
@@ -444,7 +462,6 @@ Arc SolveArc(const ArcEdges& edges, const Optics& optics, Arc arc, double side) 
       const double weight = std::min(edges.slope[t], 0.5) / (1 + off * off);
       normal += weight * row * row.transpose();
       right += weight * flat_px * row;
-      arc.score += weight;
     }
     const double pull = normal(0, 0) / 69 / (kPull_px * kPull_px);  // one direction's worth
     normal(1, 1) += pull;
@@ -458,10 +475,10 @@ Arc SolveArc(const ArcEdges& edges, const Optics& optics, Arc arc, double side) 
   return arc;
 }
 
-/// Fits a mouth's edge, seen from the pipe that ends (side 1), from across the manhole (−1), or in
-/// a flat wall (0). An arc leaves radius and height of the centre nearly free where the step is as
-/// broad as the votes see it: slopes of two pixels pin them, and a robust fit passes over other
-/// edges. Nothing if the fit runs away.
+/// Fits a mouth's edge, seen from the pipe that ends (side 1) or from across the manhole (−1). An
+/// arc leaves radius and height of the centre nearly free where the step is as broad as the votes
+/// see it: slopes of two pixels pin them, and a robust fit passes over other edges. Nothing if the
+/// fit runs away.
 std::optional<Arc> FitArc(const cv::Mat& log_brightness, const Optics& optics, Arc arc,
                           const std::vector<double>& signs, double side) {
   const Arc start = arc;
@@ -474,16 +491,6 @@ std::optional<Arc> FitArc(const cv::Mat& log_brightness, const Optics& optics, A
     }
   }
   return arc;
-}
-
-std::optional<Arc> BestArc(const cv::Mat& log_brightness, const Optics& optics, const Arc& start,
-                           const std::vector<double>& signs) {
-  std::optional<Arc> best;
-  for (const double side : {1.0, -1.0, 0.0}) {
-    const auto arc = FitArc(log_brightness, optics, start, signs, side);
-    if (arc && (!best || arc->score > best->score)) best = arc;
-  }
-  return best;
 }
 
 /// Sum of squares that a + b k + c shape(k) leaves of one group's mean profile about a fit.
@@ -519,30 +526,29 @@ bool LooksLikeStep(const CloseUp& view, const Fit& line, const Fit& step, double
   return as_step < as_line;
 }
 
-/// A ring and how strong it is: its contrast over the threshold of its kind.
+/// A ring as first judged.
 struct Found {
-  RingSighting ring;
-  double strength{};
+  RingKind kind{RingKind::kJoint};
+  Arc circle;
+  double support{};
+  double strength{};          ///< contrast over the threshold of its kind
+  std::vector<double> signs;  ///< of a mouth's step: crown, right and left shoulder
 };
 
-Found Describe(RingKind kind, const CloseUp& view, const Fit& fit, const Arc& circle,
-               const Optics& optics, const RingParameters& parameters) {
+Found Describe(RingKind kind, const CloseUp& view, const Fit& fit,
+               const RingParameters& parameters) {
   const bool joint = kind == RingKind::kJoint;
-  Found found;
-  found.ring.kind = kind;
-  found.ring.radius_px = circle.radius_px;
-  found.ring.distance_m = optics.ring_px_m / circle.radius_px;
-  found.ring.center_x_px = circle.center.x;
-  found.ring.center_y_px = circle.center.y;
-  found.ring.support =
-      view.Support(joint ? view.line() : view.step(), joint ? AllRound() : CrownAndShoulders(), fit,
-                   parameters.support_contrast);
-  found.strength = fit.contrast / (joint ? parameters.joint_contrast : parameters.mouth_contrast);
+  const cv::Mat& picture = joint ? view.line() : view.step();
+  const Groups& groups = joint ? AllRound() : CrownAndShoulders();
+  Found found{kind,
+              {view.center() + fit.shift, view.radius_px() + fit.k},
+              view.Support(picture, groups, fit, parameters.support_contrast),
+              fit.contrast / (joint ? parameters.joint_contrast : parameters.mouth_contrast),
+              {}};
+  for (const auto& group : groups) {
+    found.signs.push_back(std::copysign(1.0, view.Mean(picture, group, fit.k, fit.shift)));
+  }
   return found;
-}
-
-Arc Circle(const CloseUp& view, const Fit& fit) {
-  return {view.center() + fit.shift, view.radius_px() + fit.k, 0};
 }
 
 std::optional<Found> Judge(const cv::Mat& log_brightness, const Optics& optics,
@@ -552,42 +558,60 @@ std::optional<Found> Judge(const cv::Mat& log_brightness, const Optics& optics,
   const int reach = 2 + optics.LineFlank(candidate.radius_px);
   const Fit line = Align(view, view.line(), AllRound(), reach);
   const Fit step = Align(view, view.step(), CrownAndShoulders(), reach);
-  const bool may_be_joint = line.contrast >= parameters.joint_contrast;
+  const auto exceeds = [&](const Fit& fit, const cv::Mat& picture, const Groups& groups,
+                           double threshold) {
+    return fit.contrast >= threshold &&
+           fit.contrast >= parameters.min_significance * view.StandardError(picture, groups, fit);
+  };
+  const bool may_be_joint = exceeds(line, view.line(), AllRound(), parameters.joint_contrast);
   const bool may_be_mouth =
-      step.contrast >= parameters.mouth_contrast &&
-      step.contrast >= parameters.mouth_step_ratio * line.contrast &&
-      (!may_be_joint || LooksLikeStep(view, line, step, optics.LineWidth(view.radius_px())));
-  if (may_be_mouth) {
-    std::vector<double> signs;
-    for (const auto& group : CrownAndShoulders()) {
-      signs.push_back(std::copysign(1.0, view.Mean(view.step(), group, step.k, step.shift)));
-    }
-    const auto arc = BestArc(log_brightness, optics, Circle(view, step), signs);
-    if (!arc) return std::nullopt;
-    return Describe(RingKind::kManholeMouth, view, step, *arc, optics, parameters);
+      exceeds(step, view.step(), CrownAndShoulders(), parameters.mouth_contrast) &&
+      step.contrast >= parameters.mouth_step_ratio * line.contrast;
+  if (may_be_mouth &&
+      (!may_be_joint || LooksLikeStep(view, line, step, optics.LineWidth(view.radius_px())))) {
+    return Describe(RingKind::kManholeMouth, view, step, parameters);
   }
   if (!may_be_joint) return std::nullopt;
-  return Describe(RingKind::kJoint, view, line, Circle(view, line), optics, parameters);
+  return Describe(RingKind::kJoint, view, line, parameters);
 }
 
 /// Drops the weakly supported, and what is too near a stronger ring to be more than its echo.
 /// Nearest first.
-std::vector<RingSighting> Distinct(std::vector<Found> all, const RingParameters& parameters) {
+std::vector<Found> Distinct(std::vector<Found> all, const RingParameters& parameters) {
   std::stable_sort(all.begin(), all.end(),
                    [](const auto& a, const auto& b) { return a.strength > b.strength; });
-  std::vector<RingSighting> rings;
+  std::vector<Found> rings;
   for (const Found& found : all) {
-    const RingSighting& ring = found.ring;
-    const double apart_px =
-        std::max(ring.kind == RingKind::kManholeMouth ? 2.0 * kReach : 6.0, 0.08 * ring.radius_px);
+    const double apart_px = std::max(found.kind == RingKind::kManholeMouth ? 2.0 * kReach : 6.0,
+                                     0.08 * found.circle.radius_px);
     const bool echo = std::any_of(rings.begin(), rings.end(), [&](const auto& stronger) {
-      return std::abs(stronger.radius_px - ring.radius_px) < apart_px;
+      return std::abs(stronger.circle.radius_px - found.circle.radius_px) < apart_px;
     });
-    if (!echo && ring.support >= parameters.min_support) rings.push_back(ring);
+    if (!echo && found.support >= parameters.min_support) rings.push_back(found);
   }
   std::sort(rings.begin(), rings.end(),
-            [](const auto& a, const auto& b) { return a.distance_m < b.distance_m; });
+            [](const auto& a, const auto& b) { return a.circle.radius_px > b.circle.radius_px; });
   return rings;
+}
+
+/// Gives rings their distance. The nearest mouth is the end of this pipe, those behind it are seen
+/// across a manhole.
+std::vector<RingSighting> Locate(const std::vector<Found>& rings, const cv::Mat& log_brightness,
+                                 const Optics& optics) {
+  std::vector<RingSighting> sightings;
+  double side = 1.0;
+  for (const Found& found : rings) {
+    std::optional<Arc> circle = found.circle;
+    if (found.kind == RingKind::kManholeMouth) {
+      circle = FitArc(log_brightness, optics, found.circle, found.signs, std::exchange(side, -1.0));
+    }
+    if (!circle) continue;
+    sightings.push_back({found.kind, optics.ring_px_m / circle->radius_px, circle->radius_px,
+                         found.support, circle->center.x, circle->center.y});
+  }
+  std::sort(sightings.begin(), sightings.end(),
+            [](const auto& a, const auto& b) { return a.distance_m < b.distance_m; });
+  return sightings;
 }
 
 }  // namespace
@@ -629,7 +653,7 @@ std::vector<RingSighting> FindRings(const cv::Mat& brightness, const robot::Came
   for (const Candidate& candidate : Maxima(line, step, smallest, optics, parameters)) {
     if (auto ring = Judge(log_brightness, optics, candidate, parameters)) found.push_back(*ring);
   }
-  return Distinct(std::move(found), parameters);
+  return Locate(Distinct(std::move(found), parameters), log_brightness, optics);
 }
 
 }  // namespace kantaro::perception

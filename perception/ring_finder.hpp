@@ -16,6 +16,7 @@ struct RingParameters {
   double shaft_wider_m{0.500};    ///< shaft's diameter minus the pipe's: shapes a mouth's edge
   double joint_contrast{0.05};    ///< least mean contrast of the line all round
   double mouth_contrast{0.10};    ///< least mean contrast of the step in the upper sector
+  double min_significance{6.0};   ///< least contrast over its standard error; noise reaches 5
   double support_contrast{0.03};  ///< a direction with more than this lies on the ring
   double min_support{0.6};        ///< least share of directions on the ring
   double mouth_step_ratio{

@@ -28,19 +28,21 @@ TEST(AttitudeFilter, FollowsTheGyroThroughAJolt) {
   AttitudeFilter filter;
   (void)filter.Update(AtRest(0.0), milliseconds(0));
   robot::InertialReading jolt = AtRest(0.0);
-  jolt.specific_force_m_s2 = {0.0, 9.81, 9.81};   // 45° if believed
+  jolt.specific_force_m_s2 = {0.0, 9.81, 9.81};  // 45° if believed
   jolt.angular_velocity_rad_s.x() = 0.5;
   // 10 ms: 0.005 rad from the gyro, and 1/50 of the way to the accelerometer's 0.785 rad.
-  EXPECT_NEAR(filter.Update(jolt, milliseconds(10)).roll_rad, 0.005 + (0.785398 - 0.005) / 50.0, 1e-6);
+  EXPECT_NEAR(filter.Update(jolt, milliseconds(10)).roll_rad, 0.005 + (0.785398 - 0.005) / 50.0,
+              1e-6);
 }
 
 TEST(AttitudeFilter, OutlivesTheGyrosDrift) {
   AttitudeFilter filter;
   robot::InertialReading drifting = AtRest(0.1);
-  drifting.angular_velocity_rad_s.x() = 0.01;   // 0.6 rad a minute if only summed
+  drifting.angular_velocity_rad_s.x() = 0.01;  // 0.6 rad a minute if only summed
   double roll = 0.0;
   for (int i = 0; i < 6000; ++i) roll = filter.Update(drifting, milliseconds(10 * i)).roll_rad;
-  EXPECT_NEAR(roll, 0.1, 0.01 * AttitudeFilter::kTimeConstant_s + 1e-3);   // rate times time constant
+  EXPECT_NEAR(roll, 0.1,
+              0.01 * AttitudeFilter::kTimeConstant_s + 1e-3);  // rate times time constant
 }
 
 TEST(AttitudeFilter, PassesTheTurnRateAboutTheBasesUpwardAxis) {

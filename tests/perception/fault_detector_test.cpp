@@ -160,8 +160,9 @@ INSTANTIATE_TEST_SUITE_P(Clock, CrackAt, testing::Values(12.0, 2.5, 4.0, 6.0, 9.
 // Seen from off the axis a joint crosses the panorama as a wave, and the average image no longer
 // takes it out.
 TEST(FaultDetector, LeavesJointsOutOnlyIfAskedTo) {
-  const PipeView view{
-      .camera_right_m = 0.015, .camera_down_m = 0.010, .joints = {{.distance_m = 0.66}}};
+  const PipeView view{.camera_right_m = 0.015,
+                      .camera_down_m = 0.010,
+                      .joints = {{.distance_m = 0.66, .brightness = 0.1}}};
   FaultParameters parameters = Shipped();
   const auto rings =
       FindRings(Brightness(Draw(view)), FrontCamera(), view.radius_m, RingParameters{});
@@ -170,6 +171,20 @@ TEST(FaultDetector, LeavesJointsOutOnlyIfAskedTo) {
   EXPECT_TRUE(Find(view, parameters, rings).empty());
   parameters.ignore_joints = false;
   EXPECT_FALSE(Find(view, parameters, rings).empty());
+}
+
+// A mouth in the panorama: the shaft's walls and edges beyond it are no fault of the pipe.
+TEST(FaultDetector, LooksAtNothingBeyondAMouth) {
+  const PipeView view{.mouth_m = 0.56};
+  FaultParameters parameters = Shipped();
+  RingSighting mouth{.kind = RingKind::kManholeMouth,
+                     .distance_m = 0.56,
+                     .radius_px = 609.682 * 0.150 / 0.56,
+                     .support = 1.0,
+                     .center_x_px = 351.5,
+                     .center_y_px = 239.5};
+  EXPECT_TRUE(Find(view, parameters, {mouth}).empty());
+  EXPECT_FALSE(Find(view, parameters, {}).empty());
 }
 
 }  // namespace
