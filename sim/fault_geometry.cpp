@@ -15,22 +15,27 @@ using network::FaultCategory;
 using network::FaultRank;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-/// Flat things lie this far off the wall: above the facets of its mesh, yet no thicker than paint to the eye.
+/// Flat things lie this far off the wall: above the facets of its mesh, yet no thicker than paint
+/// to the eye.
 constexpr double kPaint_m = 0.0006;
 constexpr double kRoughPeriod_m = 0.2;
 
 /// Size by rank, A being 1.
 double RankScale(FaultRank rank) {
   switch (rank) {
-    case FaultRank::kA: return 1.0;
-    case FaultRank::kB: return 0.6;
-    case FaultRank::kC: break;
+    case FaultRank::kA:
+      return 1.0;
+    case FaultRank::kB:
+      return 0.6;
+    case FaultRank::kC:
+      break;
   }
   return 0.3;
 }
 
-/// The wall around a place, rolled out: u along the axis, v clockwise around it (looking downstream) [m],
-/// and height off the wall towards the axis. Right-handed, so what is counter-clockwise in u, v is seen from inside.
+/// The wall around a place, rolled out: u along the axis, v clockwise around it (looking
+/// downstream) [m], and height off the wall towards the axis. Right-handed, so what is
+/// counter-clockwise in u, v is seen from inside.
 class RolledWall {
  public:
   RolledWall(const network::PipeAxis& axis, double radius_m, double chainage_m, double clock_h)
@@ -39,7 +44,8 @@ class RolledWall {
   [[nodiscard]] double radius_m() const { return radius_m_; }
   [[nodiscard]] Vector3d At(const Vector2d& uv_m, double height_m) const {
     const double clock_h = clock_h_ + 12.0 * uv_m.y() / (kTurn * radius_m_);
-    return axis_.PoseAt(chainage_m_ + uv_m.x()) * ((radius_m_ - height_m) * network::ClockDirection(clock_h));
+    return axis_.PoseAt(chainage_m_ + uv_m.x()) *
+           ((radius_m_ - height_m) * network::ClockDirection(clock_h));
   }
 
  private:
@@ -70,7 +76,9 @@ class MeshBuilder {
     mesh_.texture.push_back((texture_m / kRoughPeriod_m).cast<float>());
     return static_cast<std::uint32_t>(mesh_.positions.size() - 1);
   }
-  void Triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) { mesh_.triangles.push_back({a, b, c}); }
+  void Triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    mesh_.triangles.push_back({a, b, c});
+  }
   /// Corners counter-clockwise.
   void Quad(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
     Triangle(a, b, c);
@@ -103,7 +111,7 @@ class Wobble {
 
  private:
   int lowest_;
-  std::vector<Vector2d> waves_;   ///< amplitude, phase
+  std::vector<Vector2d> waves_;  ///< amplitude, phase
 };
 
 /// Irregular relief over the plane, about 0, from waves of every direction.
@@ -113,14 +121,15 @@ class Knobs {
     for (int i = 0; i < 14; ++i) {
       const double waves = random.Uniform(1.0, 7.0);
       const double direction = random.Uniform(0.0, kTurn);
-      waves_.push_back({waves * Vector2d(std::cos(direction), std::sin(direction)), random.Uniform(0.0, kTurn),
-                        0.6 / waves});
+      waves_.push_back({waves * Vector2d(std::cos(direction), std::sin(direction)),
+                        random.Uniform(0.0, kTurn), 0.6 / waves});
     }
   }
   /// @param place in units of the lump's size.
   [[nodiscard]] double At(const Vector2d& place) const {
     double sum = 0.0;
-    for (const Wave& wave : waves_) sum += wave.height * std::sin(wave.number.dot(place) * 2.0 + wave.phase);
+    for (const Wave& wave : waves_)
+      sum += wave.height * std::sin(wave.number.dot(place) * 2.0 + wave.phase);
     return sum;
   }
 
@@ -132,10 +141,11 @@ class Knobs {
   std::vector<Wave> waves_;
 };
 
-/// A patch with a ragged outline around the origin. `height` gives its relief from the share of the way out
-/// (0 middle … 1 outline) and the place in units of the half size.
-Visual Patch(const RolledWall& wall, const Vector2d& half_size_m, double raggedness, RandomStream& random,
-             const std::function<double(double, const Vector2d&)>& height, const Look& look) {
+/// A patch with a ragged outline around the origin. `height` gives its relief from the share of the
+/// way out (0 middle … 1 outline) and the place in units of the half size.
+Visual Patch(const RolledWall& wall, const Vector2d& half_size_m, double raggedness,
+             RandomStream& random, const std::function<double(double, const Vector2d&)>& height,
+             const Look& look) {
   constexpr int kRings = 10;
   constexpr std::uint32_t kSectors = 32;
   const Wobble outline(random, 2, 11);
@@ -166,14 +176,16 @@ Visual Patch(const RolledWall& wall, const Vector2d& half_size_m, double raggedn
   return builder.Finish(look);
 }
 
-Visual FlatPatch(const RolledWall& wall, const Vector2d& half_size_m, double raggedness, RandomStream& random,
-                 double off_m, const Look& look) {
-  return Patch(wall, half_size_m, raggedness, random, [off_m](double, const Vector2d&) { return off_m; }, look);
+Visual FlatPatch(const RolledWall& wall, const Vector2d& half_size_m, double raggedness,
+                 RandomStream& random, double off_m, const Look& look) {
+  return Patch(
+      wall, half_size_m, raggedness, random, [off_m](double, const Vector2d&) { return off_m; },
+      look);
 }
 
 /// A lump: steep at its edge, knobbly on top.
-Visual Lump(const RolledWall& wall, const Vector2d& half_size_m, double height_m, double knobs, RandomStream& random,
-            const Look& look) {
+Visual Lump(const RolledWall& wall, const Vector2d& half_size_m, double height_m, double knobs,
+            RandomStream& random, const Look& look) {
   const Knobs relief(random);
   const auto height = [&](double out, const Vector2d& place) {
     const double dome = std::sqrt(std::max(0.0, 1.0 - out * out * out));
@@ -185,21 +197,24 @@ Visual Lump(const RolledWall& wall, const Vector2d& half_size_m, double height_m
 
 /// Where a band's two edges run.
 struct Station {
-  Vector2d right_m, left_m;   ///< of the way along the band, on the rolled wall
+  Vector2d right_m, left_m;  ///< of the way along the band, on the rolled wall
 };
 
-Visual Band(const RolledWall& wall, const std::vector<Station>& stations, double off_m, const Look& look) {
+Visual Band(const RolledWall& wall, const std::vector<Station>& stations, double off_m,
+            const Look& look) {
   MeshBuilder builder;
   for (const Station& station : stations) {
     builder.Add(wall.At(station.right_m, off_m), station.right_m);
     builder.Add(wall.At(station.left_m, off_m), station.left_m);
   }
-  for (std::uint32_t i = 0; i + 1 < stations.size(); ++i) builder.Quad(2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1);
+  for (std::uint32_t i = 0; i + 1 < stations.size(); ++i)
+    builder.Quad(2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1);
   return builder.Finish(look);
 }
 
 /// A jagged line from one place to another, as fracture runs.
-std::vector<Vector2d> JaggedLine(const Vector2d& from_m, const Vector2d& to_m, double jag, RandomStream& random) {
+std::vector<Vector2d> JaggedLine(const Vector2d& from_m, const Vector2d& to_m, double jag,
+                                 RandomStream& random) {
   constexpr double kStep_m = 0.008;
   const Vector2d way = to_m - from_m;
   const int steps = std::max(6, static_cast<int>(std::ceil(way.norm() / kStep_m)));
@@ -213,44 +228,50 @@ std::vector<Vector2d> JaggedLine(const Vector2d& from_m, const Vector2d& to_m, d
   return line;
 }
 
-/// A crack's mouth along a line: widest in the middle, closing at both ends (or at the far end alone).
-Visual CrackAlong(const RolledWall& wall, const std::vector<Vector2d>& line_m, double width_m, bool open_start,
-                  double off_m, RandomStream& random, const Look& look) {
+/// A crack's mouth along a line: widest in the middle, closing at both ends (or at the far end
+/// alone).
+Visual CrackAlong(const RolledWall& wall, const std::vector<Vector2d>& line_m, double width_m,
+                  bool open_start, double off_m, RandomStream& random, const Look& look) {
   std::vector<Station> stations;
   for (std::size_t i = 0; i < line_m.size(); ++i) {
     const Vector2d way = line_m[std::min(i + 1, line_m.size() - 1)] - line_m[i == 0 ? 0 : i - 1];
     const Vector2d aside = Vector2d(-way.y(), way.x()).normalized();
     const double share = static_cast<double>(i) / static_cast<double>(line_m.size() - 1);
-    const double taper = open_start ? 1.0 - share : std::min(1.0, 4.0 * std::min(share, 1.0 - share));
+    const double taper =
+        open_start ? 1.0 - share : std::min(1.0, 4.0 * std::min(share, 1.0 - share));
     const double half_m = 0.5 * width_m * taper * random.Uniform(0.65, 1.15) + 1e-4;
     stations.push_back({line_m[i] - half_m * aside, line_m[i] + half_m * aside});
   }
   return Band(wall, stations, off_m, look);
 }
 
-std::vector<Visual> Crack(const RolledWall& wall, const network::Fault& fault, RandomStream& random) {
+std::vector<Visual> Crack(const RolledWall& wall, const network::Fault& fault,
+                          RandomStream& random) {
   std::vector<Visual> visuals;
   const double half_m = fault.length_m / 2.0;
   const std::vector<Vector2d> line = JaggedLine({-half_m, 0.0}, {half_m, 0.0}, 0.4, random);
   const double damp_m = RankScale(fault.rank) * 0.012;
   std::vector<Vector2d> smooth;  // a wide band folds over itself where the line turns sharply
   for (std::size_t i = 0; i < line.size(); i += 3) smooth.push_back(line[i]);
-  visuals.push_back(CrackAlong(wall, smooth, fault.width_m + damp_m, false, 0.7 * kPaint_m, random, kDampStain));
+  visuals.push_back(
+      CrackAlong(wall, smooth, fault.width_m + damp_m, false, 0.7 * kPaint_m, random, kDampStain));
   visuals.push_back(CrackAlong(wall, line, fault.width_m, false, kPaint_m, random, kVoidDark));
   const int branches = static_cast<int>(std::lround(4.0 * RankScale(fault.rank)));
   for (int i = 0; i < branches; ++i) {
     const Vector2d start = line[line.size() / 5 + random.Index(3 * line.size() / 5)];
     const double side = i % 2 == 0 ? 1.0 : -1.0;
-    const Vector2d way = fault.length_m * random.Uniform(0.12, 0.28) *
-                         Vector2d(random.Uniform(-1.0, 1.0), side * random.Uniform(0.5, 1.0)).normalized();
-    visuals.push_back(CrackAlong(wall, JaggedLine(start, start + way, 0.5, random), 0.6 * fault.width_m, true, kPaint_m,
-                                 random, kVoidDark));
+    const Vector2d way =
+        fault.length_m * random.Uniform(0.12, 0.28) *
+        Vector2d(random.Uniform(-1.0, 1.0), side * random.Uniform(0.5, 1.0)).normalized();
+    visuals.push_back(CrackAlong(wall, JaggedLine(start, start + way, 0.5, random),
+                                 0.6 * fault.width_m, true, kPaint_m, random, kVoidDark));
   }
   return visuals;
 }
 
 /// Ground water has washed in: a damp stain, and lime where it ran down to the invert.
-std::vector<Visual> Infiltration(const RolledWall& wall, const network::Fault& fault, RandomStream& random) {
+std::vector<Visual> Infiltration(const RolledWall& wall, const network::Fault& fault,
+                                 RandomStream& random) {
   std::vector<Visual> visuals;
   const Vector2d half_m(fault.length_m / 2.0, fault.width_m / 2.0);
   visuals.push_back(FlatPatch(wall, half_m, 0.5, random, 0.7 * kPaint_m, kDampStain));
@@ -261,21 +282,25 @@ std::vector<Visual> Infiltration(const RolledWall& wall, const network::Fault& f
   const int runs = 2 + static_cast<int>(std::lround(5.0 * RankScale(fault.rank)));
   for (int i = 0; i < runs; ++i) {
     const Vector2d start(random.Uniform(-0.8, 0.8) * half_m.x(), 0.2 * down * half_m.y());
-    const double run_m = std::min(to_invert_m, half_m.y() + random.Uniform(0.3, 1.0) * to_invert_m) + 0.01;
-    visuals.push_back(CrackAlong(wall, JaggedLine(start, start + Vector2d(0.0, down * run_m), 0.15, random),
-                                 random.Uniform(0.003, 0.012), true, kPaint_m, random, i % 3 == 0 ? kDampStain : kLime));
+    const double run_m =
+        std::min(to_invert_m, half_m.y() + random.Uniform(0.3, 1.0) * to_invert_m) + 0.01;
+    visuals.push_back(CrackAlong(
+        wall, JaggedLine(start, start + Vector2d(0.0, down * run_m), 0.15, random),
+        random.Uniform(0.003, 0.012), true, kPaint_m, random, i % 3 == 0 ? kDampStain : kLime));
   }
   return visuals;
 }
 
 /// One root: a tapering tube that grows inward and hangs.
-void AddRoot(MeshBuilder& builder, const RolledWall& wall, const Vector2d& uv_m, double length_m, RandomStream& random) {
+void AddRoot(MeshBuilder& builder, const RolledWall& wall, const Vector2d& uv_m, double length_m,
+             RandomStream& random) {
   constexpr int kSegments = 6;
   constexpr std::uint32_t kSides = 4;
   const Vector3d start = wall.At(uv_m, -0.002);
   const Vector3d inward = (wall.At(uv_m, 0.01) - start).normalized();
   const Vector3d along = (wall.At(uv_m + Vector2d(0.01, 0.0), -0.002) - start).normalized();
-  const Vector3d lean = Vector3d(random.Normal(0.45), random.Normal(0.45), random.Normal(0.2)) + 0.5 * along;
+  const Vector3d lean =
+      Vector3d(random.Normal(0.45), random.Normal(0.45), random.Normal(0.2)) + 0.5 * along;
   const double thickness_m = random.Uniform(0.0007, 0.0022);
   const double curl = random.Uniform(0.0, kTurn);
   std::uint32_t previous = 0;
@@ -289,8 +314,9 @@ void AddRoot(MeshBuilder& builder, const RolledWall& wall, const Vector2d& uv_m,
     std::uint32_t first = 0;
     for (std::uint32_t k = 0; k < kSides; ++k) {
       const double angle = kTurn * k / kSides;
-      const std::uint32_t vertex = builder.Add(middle + radius_m * (std::cos(angle) * along + std::sin(angle) * side),
-                                               {s * length_m, 0.003 * k});
+      const std::uint32_t vertex =
+          builder.Add(middle + radius_m * (std::cos(angle) * along + std::sin(angle) * side),
+                      {s * length_m, 0.003 * k});
       if (k == 0) first = vertex;
     }
     for (std::uint32_t k = 0; i > 0 && k < kSides; ++k) {
@@ -301,45 +327,54 @@ void AddRoot(MeshBuilder& builder, const RolledWall& wall, const Vector2d& uv_m,
   }
 }
 
-std::vector<Visual> Roots(const RolledWall& wall, const network::Fault& fault, RandomStream& random) {
+std::vector<Visual> Roots(const RolledWall& wall, const network::Fault& fault,
+                          RandomStream& random) {
   const double scale = RankScale(fault.rank);
   const int count = 6 + static_cast<int>(std::lround(30.0 * scale));
   MeshBuilder builder;
   for (int i = 0; i < count; ++i) {
-    const Vector2d uv(random.Normal(0.2) * fault.length_m, random.Uniform(-0.5, 0.5) * fault.width_m);
+    const Vector2d uv(random.Normal(0.2) * fault.length_m,
+                      random.Uniform(-0.5, 0.5) * fault.width_m);
     AddRoot(builder, wall, uv, scale * wall.radius_m() * random.Uniform(0.35, 0.95), random);
   }
   return {builder.Finish(kRootBark)};
 }
 
 /// A hole with pale broken edges and cracks running from it.
-std::vector<Visual> Break(const RolledWall& wall, const network::Fault& fault, RandomStream& random) {
+std::vector<Visual> Break(const RolledWall& wall, const network::Fault& fault,
+                          RandomStream& random) {
   std::vector<Visual> visuals;
   const Vector2d half_m(fault.length_m / 2.0, fault.width_m / 2.0);
   RandomStream same = random;  // one outline, drawn twice
-  visuals.push_back(FlatPatch(wall, half_m.array() + 0.004, 0.5, same, 0.7 * kPaint_m, kBrokenEdge));
+  visuals.push_back(
+      FlatPatch(wall, half_m.array() + 0.004, 0.5, same, 0.7 * kPaint_m, kBrokenEdge));
   visuals.push_back(FlatPatch(wall, half_m, 0.5, random, kPaint_m, kVoidDark));
   const int cracks = 2 + static_cast<int>(std::lround(4.0 * RankScale(fault.rank)));
   for (int i = 0; i < cracks; ++i) {
     const double angle = kTurn * (i + random.Uniform(0.0, 0.8)) / cracks;
     const Vector2d out(std::cos(angle), std::sin(angle));
     const Vector2d start = 0.6 * half_m.cwiseProduct(out);
-    visuals.push_back(CrackAlong(wall, JaggedLine(start, start + half_m.maxCoeff() * random.Uniform(0.7, 1.6) * out, 0.4, random),
-                                 0.006, true, kPaint_m, random, kVoidDark));
+    visuals.push_back(CrackAlong(
+        wall,
+        JaggedLine(start, start + half_m.maxCoeff() * random.Uniform(0.7, 1.6) * out, 0.4, random),
+        0.006, true, kPaint_m, random, kVoidDark));
   }
   return visuals;
 }
 
 /// A joint that stands open over part of the round.
-std::vector<Visual> OpenJoint(const RolledWall& wall, const network::Fault& fault, RandomStream& random) {
+std::vector<Visual> OpenJoint(const RolledWall& wall, const network::Fault& fault,
+                              RandomStream& random) {
   const auto band = [&](double extra_m, double off_m, const Look& look) {
     constexpr int kSteps = 30;
     std::vector<Station> stations;
     for (int i = 0; i <= kSteps; ++i) {
       const double share = static_cast<double>(i) / kSteps;
-      const double half_m = (0.5 * fault.length_m + extra_m) * std::sqrt(std::sin(std::numbers::pi * share)) + 1e-4;
+      const double half_m =
+          (0.5 * fault.length_m + extra_m) * std::sqrt(std::sin(std::numbers::pi * share)) + 1e-4;
       const double v = (share - 0.5) * (fault.width_m + 2.0 * extra_m);
-      stations.push_back({{half_m * random.Uniform(0.85, 1.1), v}, {-half_m * random.Uniform(0.85, 1.1), v}});
+      stations.push_back(
+          {{half_m * random.Uniform(0.85, 1.1), v}, {-half_m * random.Uniform(0.85, 1.1), v}});
     }
     return Band(wall, stations, off_m, look);
   };
@@ -360,9 +395,9 @@ std::vector<Visual> ProjectingPipe(const RolledWall& wall, const network::Fault&
     std::uint32_t first = 0;
     for (std::uint32_t k = 0; k < kSides; ++k) {
       const double angle = kTurn * k / kSides;
-      const std::uint32_t vertex =
-          builder.Add(foot + up_m * inward + radius_m * (std::cos(angle) * along + std::sin(angle) * around),
-                      {angle * radius_m, up_m});
+      const std::uint32_t vertex = builder.Add(
+          foot + up_m * inward + radius_m * (std::cos(angle) * along + std::sin(angle) * around),
+          {angle * radius_m, up_m});
       if (k == 0) first = vertex;
     }
     return first;
@@ -377,7 +412,7 @@ std::vector<Visual> ProjectingPipe(const RolledWall& wall, const network::Fault&
     }
     return builder.Finish(look);
   };
-  const double sunk_m = -0.5 * outer_m;   // the main's wall falls away beside its foot
+  const double sunk_m = -0.5 * outer_m;  // the main's wall falls away beside its foot
   return {belt(outer_m, sunk_m, outer_m, height_m, kPipeEnd),
           belt(outer_m, height_m, outer_m - kWall_m, height_m, kBrokenEdge),
           belt(outer_m - kWall_m, height_m, outer_m - kWall_m, 0.002, kDampStain),
@@ -386,22 +421,29 @@ std::vector<Visual> ProjectingPipe(const RolledWall& wall, const network::Fault&
 
 }  // namespace
 
-std::vector<Visual> BuildFault(const network::PipeAxis& axis, double pipe_radius_m, const network::Fault& fault,
-                               RandomStream& random) {
+std::vector<Visual> BuildFault(const network::PipeAxis& axis, double pipe_radius_m,
+                               const network::Fault& fault, RandomStream& random) {
   const RolledWall wall(axis, pipe_radius_m, fault.chainage_m, fault.clock_h);
   const Vector2d half_m(fault.length_m / 2.0, fault.width_m / 2.0);
   const double scale = RankScale(fault.rank);
   switch (fault.category) {
-    case FaultCategory::kCrack: return Crack(wall, fault, random);
-    case FaultCategory::kWaterInfiltration: return Infiltration(wall, fault, random);
-    case FaultCategory::kRootInvasion: return Roots(wall, fault, random);
-    case FaultCategory::kPipeBreak: return Break(wall, fault, random);
-    case FaultCategory::kJointAndGap: return OpenJoint(wall, fault, random);
-    case FaultCategory::kMountingPipeProjection: return ProjectingPipe(wall, fault);
+    case FaultCategory::kCrack:
+      return Crack(wall, fault, random);
+    case FaultCategory::kWaterInfiltration:
+      return Infiltration(wall, fault, random);
+    case FaultCategory::kRootInvasion:
+      return Roots(wall, fault, random);
+    case FaultCategory::kPipeBreak:
+      return Break(wall, fault, random);
+    case FaultCategory::kJointAndGap:
+      return OpenJoint(wall, fault, random);
+    case FaultCategory::kMountingPipeProjection:
+      return ProjectingPipe(wall, fault);
     case FaultCategory::kAdhesionOfMortar:
       return {Lump(wall, half_m, 0.18 * scale * pipe_radius_m, 0.5, random, kMortar)};
     case FaultCategory::kForeignSubstance:
-      return {Lump(wall, half_m, std::min(half_m.minCoeff() * 1.3, 0.5 * pipe_radius_m), 0.35, random, kStone)};
+      return {Lump(wall, half_m, std::min(half_m.minCoeff() * 1.3, 0.5 * pipe_radius_m), 0.35,
+                   random, kStone)};
     case FaultCategory::kAdhesionOfGrease:
       return {FlatPatch(wall, 1.15 * half_m, 0.4, random, 0.7 * kPaint_m, kDampStain),
               Lump(wall, half_m, 0.10 * scale * pipe_radius_m, 0.7, random, kGrease)};
@@ -409,12 +451,13 @@ std::vector<Visual> BuildFault(const network::PipeAxis& axis, double pipe_radius
   return {};
 }
 
-std::vector<Visual> BuildJointRims(const network::PipeAxis& axis, double pipe_radius_m, const network::Joint& joint,
-                                   RandomStream& random) {
+std::vector<Visual> BuildJointRims(const network::PipeAxis& axis, double pipe_radius_m,
+                                   const network::Joint& joint, RandomStream& random) {
   constexpr int kSteps = 72;
   const RolledWall wall(axis, pipe_radius_m, joint.chainage_m, 12.0);
   const double tone = random.Uniform(0.7, 1.3);
-  const Look dirt = RoughLook(static_cast<float>(tone) * Eigen::Vector3f(0.20f, 0.165f, 0.125f), 0.15f, 0.5f);
+  const Look dirt =
+      RoughLook(static_cast<float>(tone) * Eigen::Vector3f(0.20f, 0.165f, 0.125f), 0.15f, 0.5f);
   std::vector<Visual> rims;
   for (const double side : {-1.0, 1.0}) {
     const Wobble edge(random, 1, 24);

@@ -16,15 +16,16 @@ struct Visual {
   Look look;
 };
 
-/// What a camera sees of a fault: a crack is a jagged dark strip on the wall, roots hang from it, mortar and
-/// grease stand on it. Sizes are the fault's own; the rank decides how far it stands out.
-/// Rank C is small and pale, as the thesis (Table 3.1) describes it: hardly visible.
+/// What a camera sees of a fault: a crack is a jagged dark strip on the wall, roots hang from it,
+/// mortar and grease stand on it. Sizes are the fault's own; the rank decides how far it stands
+/// out. Rank C is small and pale, as the thesis (Table 3.1) describes it: hardly visible.
 [[nodiscard]] std::vector<Visual> BuildFault(const network::PipeAxis& axis, double pipe_radius_m,
                                              const network::Fault& fault, RandomStream& random);
 
-/// The ragged dirt that collects on both sides of a joint's groove: what makes a joint a dark ring to a camera
-/// whose line of sight passes over the groove itself.
-[[nodiscard]] std::vector<Visual> BuildJointRims(const network::PipeAxis& axis, double pipe_radius_m,
-                                                 const network::Joint& joint, RandomStream& random);
+/// The ragged dirt that collects on both sides of a joint's groove: what makes a joint a dark ring
+/// to a camera whose line of sight passes over the groove itself.
+[[nodiscard]] std::vector<Visual> BuildJointRims(const network::PipeAxis& axis,
+                                                 double pipe_radius_m, const network::Joint& joint,
+                                                 RandomStream& random);
 
 }  // namespace kantaro::sim

@@ -9,7 +9,14 @@
 namespace kantaro::sim {
 namespace {
 
-/// Smooth noise of standard deviation near 1 that repeats at the edges: random values on a grid of cells.
+// Layers of a pattern are kept in 8 bits and mixed in one pass over the pixels: large pictures of
+// floats cost more in memory pages than in arithmetic.
+
+/// Noise is stored as 128 + kNoiseScale * value.
+constexpr float kNoiseScale = 36.0f;
+
+/// Smooth noise of standard deviation near 1 that repeats at the edges: random values on a grid of
+/// cells.
 cv::Mat Noise(RandomStream& random, cv::Size size, cv::Size cells) {
   cv::Mat grid(cells, CV_32F);
   cv::Mat_<float> values = grid;
@@ -22,18 +29,51 @@ cv::Mat Noise(RandomStream& random, cv::Size size, cv::Size cells) {
   const cv::Size smooth(std::min(cell.width, 8), std::min(cell.height, 8));
   cv::Mat noise;
   cv::resize(padded, noise, {}, smooth.width, smooth.height, cv::INTER_CUBIC);
+  noise.convertTo(noise, CV_8U, kNoiseScale, 128.0);
   if (cell != smooth) {
-    cv::resize(noise, noise, cv::Size(padded.cols * cell.width, padded.rows * cell.height), 0, 0, cv::INTER_LINEAR);
+    cv::resize(noise, noise, cv::Size(padded.cols * cell.width, padded.rows * cell.height), 0, 0,
+               cv::INTER_LINEAR);
   }
   return noise(cv::Rect(kPad * cell.width, kPad * cell.height, size.width, size.height));
 }
 
-/// Noise of single pixels, the same every kTile pixels: nobody sees the repeat, and it is quick to make.
-cv::Mat Grain(RandomStream& random, cv::Size size) {
-  constexpr int kTile = 512;
-  cv::Mat tile = Noise(random, cv::Size(kTile, kTile), cv::Size(kTile, kTile)) +
-                 Noise(random, cv::Size(kTile, kTile), cv::Size(kTile / 2, kTile / 2));
-  return cv::repeat(tile * 0.7, size.height / kTile, size.width / kTile);
+/// Fine noise is made once in this size and repeated: nobody sees it.
+constexpr int kTile = 512;
+cv::Mat Grain(RandomStream& random) { return Noise(random, {kTile, kTile}, {kTile, kTile}); }
+cv::Mat FineGrain(RandomStream& random, int cells) {
+  return Noise(random, {kTile, kTile}, {cells, cells});
+}
+
+/// Reads a layer as the numbers it stands for.
+class NoiseAt {
+ public:
+  explicit NoiseAt(const cv::Mat& layer) : layer_(layer) {}
+  void Row(int row) { row_ = layer_.ptr<std::uint8_t>(row % layer_.rows); }
+  float operator[](int col) const {
+    return (static_cast<float>(row_[col & mask_]) - 128.0f) / kNoiseScale;
+  }
+
+ private:
+  cv::Mat layer_;
+  int mask_ = layer_.cols - 1;  ///< sizes are powers of two
+  const std::uint8_t* row_{};
+};
+
+/// Reads a layer of 0 … 1.
+class MaskAt {
+ public:
+  explicit MaskAt(const cv::Mat& layer) : layer_(layer) {}
+  void Row(int row) { row_ = layer_.ptr<std::uint8_t>(row); }
+  float operator[](int col) const { return static_cast<float>(row_[col]) / 255.0f; }
+
+ private:
+  cv::Mat layer_;
+  const std::uint8_t* row_{};
+};
+
+template <typename... Layers>
+void SetRow(int row, Layers&... layers) {
+  (layers.Row(row), ...);
 }
 
 cv::Point2d RandomPlace(RandomStream& random, cv::Size size) {
@@ -47,33 +87,35 @@ void DrawWrapped(cv::Size size, cv::Point2d place, double reach, const Draw& dra
   for (int i = -1; i <= 1; ++i) {
     for (int j = -1; j <= 1; ++j) {
       const cv::Point2d at = place + cv::Point2d(i * size.width, j * size.height);
-      if (at.x > -reach && at.x < size.width + reach && at.y > -reach && at.y < size.height + reach) draw(at);
+      if (at.x > -reach && at.x < size.width + reach && at.y > -reach && at.y < size.height + reach)
+        draw(at);
     }
   }
 }
 
 /// Round and oval dots, 0 … 1.
-cv::Mat Specks(RandomStream& random, cv::Size size, int count, double smallest_px, double largest_px) {
+cv::Mat Specks(RandomStream& random, cv::Size size, int count, double smallest_px,
+               double largest_px) {
   cv::Mat specks = cv::Mat::zeros(size, CV_8U);
   for (int i = 0; i < count; ++i) {
     const cv::Point2d place = RandomPlace(random, size);
     // Small ones are many, large ones few.
-    const double radius = smallest_px * std::pow(largest_px / smallest_px, std::pow(random.Uniform(0.0, 1.0), 3.0));
+    const double radius =
+        smallest_px * std::pow(largest_px / smallest_px, std::pow(random.Uniform(0.0, 1.0), 3.0));
     const cv::Size2d axes(radius * random.Uniform(0.6, 1.8), radius);
     const double angle = random.Uniform(0.0, 180.0);
     const double tone = random.Uniform(90.0, 255.0);
     DrawWrapped(size, place, 2.0 * largest_px, [&](cv::Point2d at) {
-      cv::ellipse(specks, cv::RotatedRect(at, axes * 2.0, static_cast<float>(angle)),
-                  tone, cv::FILLED, cv::LINE_AA);
+      cv::ellipse(specks, cv::RotatedRect(at, axes * 2.0, static_cast<float>(angle)), tone,
+                  cv::FILLED, cv::LINE_AA);
     });
   }
-  cv::Mat scaled;
-  specks.convertTo(scaled, CV_32F, 1.0 / 255.0);
-  return scaled;
+  return specks;
 }
 
 /// Fine lines that keep to a direction (0: along the pipe), 0 … 1.
-cv::Mat Scratches(RandomStream& random, cv::Size size, int count, double longest_px, double direction_spread_rad) {
+cv::Mat Scratches(RandomStream& random, cv::Size size, int count, double longest_px,
+                  double direction_spread_rad) {
   cv::Mat scratches = cv::Mat::zeros(size, CV_8U);
   for (int i = 0; i < count; ++i) {
     const cv::Point2d place = RandomPlace(random, size);
@@ -81,135 +123,161 @@ cv::Mat Scratches(RandomStream& random, cv::Size size, int count, double longest
     const double direction = random.Normal(direction_spread_rad);
     const cv::Point2d along = length * cv::Point2d(std::cos(direction), std::sin(direction));
     const double tone = random.Uniform(40.0, 255.0);
-    DrawWrapped(size, place, longest_px, [&](cv::Point2d at) {
-      cv::line(scratches, at, at + along, tone, 1, cv::LINE_AA);
-    });
+    DrawWrapped(size, place, longest_px,
+                [&](cv::Point2d at) { cv::line(scratches, at, at + along, tone, 1, cv::LINE_AA); });
   }
-  cv::Mat scaled;
-  scratches.convertTo(scaled, CV_32F, 1.0 / 255.0);
-  return scaled;
+  return scratches;
 }
 
 /// 0 below `low`, 1 above `high`, straight between.
-cv::Mat Ramp(const cv::Mat& values, double low, double high) {
-  cv::Mat ramp = (values - low) * (1.0 / (high - low));
-  cv::min(ramp, 1.0, ramp);
-  cv::max(ramp, 0.0, ramp);
-  return ramp;
+float Ramp(float value, float low, float high) {
+  return std::clamp((value - low) / (high - low), 0.0f, 1.0f);
 }
 
-/// a where the mask is 0, b where it is 1.
-cv::Mat Mix(const cv::Mat& a, const cv::Mat& b, const cv::Mat& mask) { return a + (b - a).mul(mask); }
-
-/// Turns from the invert (0 … 0.5) of each row of a pipe's wall, whose row 0 is the crown.
-cv::Mat TurnsFromInvert(cv::Size size) {
-  cv::Mat turns(size, CV_32F);
-  for (int row = 0; row < size.height; ++row) {
-    turns.row(row).setTo(std::abs((row + 0.5) / size.height - 0.5));
-  }
-  return turns;
-}
-
-/// Brightness and height of a surface, from which a pattern is packed.
-struct Surface {
-  cv::Mat albedo;      ///< 0 … 1
-  cv::Mat height_px;   ///< in texels, so that its differences are slopes
+struct Texel {
+  float albedo{};     ///< 0 … 1
+  float height_px{};  ///< in texels, so that differences are slopes
 };
 
-cv::Mat Pack(const Surface& surface) {
-  cv::Mat slope_x, slope_y;
-  cv::Sobel(surface.height_px, slope_x, CV_32F, 1, 0, 3, 1.0 / 8.0);
-  cv::Sobel(surface.height_px, slope_y, CV_32F, 0, 1, 3, 1.0 / 8.0);
-  std::array<cv::Mat, 3> channels;
-  surface.albedo.convertTo(channels[0], CV_8U, 255.0);
-  slope_x.convertTo(channels[1], CV_8U, 127.0, 128.0);
-  slope_y.convertTo(channels[2], CV_8U, 127.0, 128.0);
-  cv::Mat packed;
-  cv::merge(channels.data(), channels.size(), packed);
+std::uint8_t ToByte(float value) {
+  return static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.0f, 255.0f));
+}
+
+/// Packs a surface from its texels, which are asked for row by row.
+/// @param texel  texel(col) of the row that set_row chose last.
+template <typename SetRowFunction, typename TexelFunction>
+cv::Mat Pack(cv::Size size, const SetRowFunction& set_row, const TexelFunction& texel) {
+  cv::Mat packed(size, CV_8UC3);
+  cv::Mat height_px(size, CV_32F);
+  for (int row = 0; row < size.height; ++row) {
+    set_row(row);
+    auto* to = packed.ptr<cv::Vec3b>(row);
+    auto* height = height_px.ptr<float>(row);
+    for (int col = 0; col < size.width; ++col) {
+      const Texel t = texel(col);
+      to[col][0] = ToByte(255.0f * std::max(t.albedo, 0.03f));
+      height[col] = t.height_px;
+    }
+  }
+  for (int row = 0; row < size.height; ++row) {
+    const auto* above = height_px.ptr<float>((row + size.height - 1) % size.height);
+    const auto* here = height_px.ptr<float>(row);
+    const auto* below = height_px.ptr<float>((row + 1) % size.height);
+    auto* to = packed.ptr<cv::Vec3b>(row);
+    for (int col = 0; col < size.width; ++col) {
+      const float left = here[(col + size.width - 1) & (size.width - 1)];
+      const float right = here[(col + 1) & (size.width - 1)];
+      to[col][1] = ToByte(128.0f + 0.5f * 127.0f * (right - left));
+      to[col][2] = ToByte(128.0f + 0.5f * 127.0f * (below[col] - above[col]));
+    }
+  }
   return packed;
 }
 
-/// A used plastic pipe: blotches, scale, scratches along it, drips down its sides, and at the invert the
-/// dark deposit with its rim where the water stands.
-Surface PipeWall(RandomStream& random, double contrast) {
+/// A used plastic pipe: blotches, scale, scratches along it, drips down its sides, and at the
+/// invert the dark deposit with its ragged rim where the water stands, above which stains fade.
+cv::Mat PipeWall(RandomStream& random, float contrast) {
   const cv::Size size(4096, 2048);
-  const cv::Mat grain = Grain(random, size);
-  const cv::Mat mottle = Noise(random, size, cv::Size(256, 128));
-  const cv::Mat fine = Noise(random, size, cv::Size(1024, 512));
-  const cv::Mat blotches = Noise(random, size, cv::Size(16, 8)) + 0.7 * Noise(random, size, cv::Size(64, 32));
-  const cv::Mat drips = Ramp(Noise(random, size, cv::Size(512, 8)) + 0.5 * blotches, 0.9, 3.0);
-  const cv::Mat pale = Specks(random, size, 2500, 1.0, 7.0);
-  const cv::Mat dark = Specks(random, size, 3500, 0.8, 9.0);
-  const cv::Mat scratches = Scratches(random, size, 500, 600.0, 0.06);
+  NoiseAt grain(Grain(random)), fine(FineGrain(random, kTile / 4)),
+      mottle(Noise(random, size, {256, 128}));
+  NoiseAt blotches(Noise(random, size, {16, 8})), patches(Noise(random, size, {64, 32}));
+  NoiseAt drips(Noise(random, size, {512, 8})), streaks(Noise(random, size, {8, 128}));
+  NoiseAt level(Noise(random, {size.width, 8}, {8, 1}));
+  level.Row(0);
+  MaskAt pale(Specks(random, size, 2500, 1.0, 7.0)), dark(Specks(random, size, 3500, 0.8, 9.0));
+  MaskAt scratches(Scratches(random, size, 500, 600.0, 0.06));
 
-  cv::Mat wall = 0.05 * blotches + 0.04 * mottle + 0.035 * fine + 0.045 * grain - 0.16 * drips + 0.16 * pale -
-                 0.26 * dark - 0.12 * scratches;
-  wall = 0.72 + contrast * wall;
-
-  // The water stood at different heights: the deposit ends in a ragged rim, and stains fade above it.
-  const cv::Mat turns = TurnsFromInvert(size);
-  const cv::Mat level = 0.095 + contrast * (0.010 * Noise(random, size, cv::Size(8, 1)) + 0.004 * mottle + 0.003 * fine);
-  const cv::Mat above = turns - level;
-  const cv::Mat streaks = Noise(random, size, cv::Size(8, 128)) + 0.5 * Noise(random, size, cv::Size(32, 512));
-  cv::Mat bed = 0.25 + contrast * (0.035 * streaks + 0.04 * blotches + 0.03 * mottle + 0.04 * fine + 0.05 * grain +
-                                   0.25 * pale);
-  const cv::Mat stained = 1.0 - 0.32 * contrast * (1.0 - Ramp(above, 0.0, 0.11)).mul(1.0 + 0.3 * blotches);
-  cv::Mat albedo = Mix(bed, wall.mul(stained), Ramp(above, -0.006, 0.006));
-  const cv::Mat rim = (1.0 - Ramp(cv::abs(above), 0.0, 0.008)).mul(1.0 + 0.5 * fine);
-  albedo -= 0.13 * contrast * rim;
-  cv::max(albedo, 0.03, albedo);
-  return {albedo, contrast * (0.35 * grain + 0.8 * fine + 1.5 * mottle + 2.0 * pale + 0.8 * rim)};
+  float turns_from_invert = 0.0f;
+  const auto set_row = [&](int row) {
+    SetRow(row, grain, fine, mottle, blotches, patches, drips, streaks, pale, dark, scratches);
+    turns_from_invert =
+        std::abs((static_cast<float>(row) + 0.5f) / static_cast<float>(size.height) - 0.5f);
+  };
+  const auto texel = [&](int col) -> Texel {
+    const float cloud = blotches[col] + 0.7f * patches[col];
+    const float drip = Ramp(drips[col] + 0.5f * cloud, 0.9f, 3.0f);
+    const float wall =
+        0.72f +
+        contrast * (0.05f * cloud + 0.04f * mottle[col] + 0.035f * fine[col] + 0.05f * grain[col] -
+                    0.16f * drip + 0.16f * pale[col] - 0.26f * dark[col] - 0.12f * scratches[col]);
+    const float bed =
+        0.25f + contrast * (0.035f * streaks[col] + 0.04f * cloud + 0.03f * mottle[col] +
+                            0.04f * fine[col] + 0.05f * grain[col] + 0.25f * pale[col]);
+    const float above =
+        turns_from_invert - 0.095f -
+        contrast * (0.010f * level[col] + 0.004f * mottle[col] + 0.003f * fine[col]);
+    const float stained =
+        1.0f - 0.32f * contrast * (1.0f - Ramp(above, 0.0f, 0.11f)) * (1.0f + 0.3f * cloud);
+    const float rim = (1.0f - Ramp(std::abs(above), 0.0f, 0.008f)) * (1.0f + 0.5f * fine[col]);
+    const float dry = Ramp(above, -0.006f, 0.006f);
+    return {bed + (wall * stained - bed) * dry - 0.13f * contrast * rim,
+            contrast * (0.4f * grain[col] + 0.8f * fine[col] + 1.5f * mottle[col] +
+                        2.0f * pale[col] + 0.8f * rim)};
+  };
+  return Pack(size, set_row, texel);
 }
 
 /// Shaft, benching and channels: cement with sand, pores and long stains.
-Surface Concrete(RandomStream& random, double contrast) {
+cv::Mat Concrete(RandomStream& random, float contrast) {
   const cv::Size size(2048, 2048);
-  const cv::Mat grain = Grain(random, size);
-  const cv::Mat sand = Noise(random, size, cv::Size(512, 512));
-  const cv::Mat mottle = Noise(random, size, cv::Size(64, 64)) + 0.6 * Noise(random, size, cv::Size(16, 16));
-  const cv::Mat runs = Noise(random, size, cv::Size(8, 128));
-  const cv::Mat pores = Specks(random, size, 1800, 0.8, 8.0);
-  const cv::Mat stones = Specks(random, size, 1500, 1.0, 5.0);
-  cv::Mat albedo = 0.05 * grain + 0.05 * sand + 0.035 * mottle + 0.03 * runs - 0.22 * pores + 0.08 * stones;
-  albedo = 0.66 + contrast * albedo;
-  cv::max(albedo, 0.05, albedo);
-  return {albedo, contrast * (0.8 * grain + 1.8 * sand + 3.0 * mottle - 3.0 * pores)};
+  NoiseAt grain(Grain(random)), sand(FineGrain(random, kTile / 4));
+  NoiseAt mottle(Noise(random, size, {64, 64})), clouds(Noise(random, size, {16, 16}));
+  NoiseAt runs(Noise(random, size, {8, 128}));
+  MaskAt pores(Specks(random, size, 1800, 0.8, 8.0)), stones(Specks(random, size, 1500, 1.0, 5.0));
+  const auto texel = [&](int col) -> Texel {
+    const float unevenness = mottle[col] + 0.6f * clouds[col];
+    return {
+        0.66f + contrast * (0.05f * grain[col] + 0.05f * sand[col] + 0.035f * unevenness +
+                            0.03f * runs[col] - 0.22f * pores[col] + 0.08f * stones[col]),
+        contrast * (0.8f * grain[col] + 1.8f * sand[col] + 3.0f * unevenness - 3.0f * pores[col])};
+  };
+  return Pack(
+      size, [&](int row) { SetRow(row, grain, sand, mottle, clouds, runs, pores, stones); }, texel);
 }
 
-Surface Rough(RandomStream& random, double contrast) {
-  const cv::Size size(512, 512);
-  const cv::Mat grain = Grain(random, size);
-  const cv::Mat lumps = Noise(random, size, cv::Size(32, 32)) + 0.6 * Noise(random, size, cv::Size(128, 128));
-  cv::Mat albedo = 0.6 + contrast * (0.09 * grain + 0.10 * lumps);
-  cv::max(albedo, 0.05, albedo);
-  return {albedo, contrast * (0.8 * grain + 4.0 * lumps)};
+cv::Mat Rough(RandomStream& random, float contrast) {
+  NoiseAt grain(Grain(random)), lumps(FineGrain(random, kTile / 16)),
+      grit(FineGrain(random, kTile / 4));
+  const auto texel = [&](int col) -> Texel {
+    const float lumpy = lumps[col] + 0.6f * grit[col];
+    return {0.6f + contrast * (0.09f * grain[col] + 0.10f * lumpy),
+            contrast * (0.8f * grain[col] + 4.0f * lumpy)};
+  };
+  return Pack(
+      {kTile, kTile}, [&](int row) { SetRow(row, grain, lumps, grit); }, texel);
 }
 
 }  // namespace
 
 cv::Mat MakePattern(Pattern pattern, std::uint64_t seed, double contrast) {
+  const auto strength = static_cast<float>(contrast);
   switch (pattern) {
     case Pattern::kPipeWall: {
       RandomStream random(seed, "texture pipe wall");
-      return Pack(PipeWall(random, contrast));
+      return PipeWall(random, strength);
     }
     case Pattern::kConcrete: {
       RandomStream random(seed, "texture concrete");
-      return Pack(Concrete(random, contrast));
+      return Concrete(random, strength);
     }
-    case Pattern::kRough: break;
+    case Pattern::kRough:
+      break;
   }
   RandomStream random(seed, "texture rough");
-  return Pack(Rough(random, contrast));
+  return Rough(random, strength);
 }
 
 Look PipeWallLook(network::Material material) {
   using network::Material;
   switch (material) {
-    case Material::kPvc: return {Pattern::kPipeWall, {0.80f, 0.76f, 0.67f}, 0.30f, 0.15f};
-    case Material::kClay: return {Pattern::kPipeWall, {0.72f, 0.42f, 0.26f}, 0.40f, 0.25f};
-    case Material::kConcrete: return {Pattern::kPipeWall, {0.62f, 0.58f, 0.50f}, 0.12f, 0.3f};
-    case Material::kLined: return {Pattern::kPipeWall, {0.55f, 0.60f, 0.50f}, 0.50f, 0.2f};
+    case Material::kPvc:
+      return {Pattern::kPipeWall, {0.80f, 0.76f, 0.67f}, 0.30f, 0.15f};
+    case Material::kClay:
+      return {Pattern::kPipeWall, {0.72f, 0.42f, 0.26f}, 0.40f, 0.25f};
+    case Material::kConcrete:
+      return {Pattern::kPipeWall, {0.62f, 0.58f, 0.50f}, 0.12f, 0.3f};
+    case Material::kLined:
+      return {Pattern::kPipeWall, {0.55f, 0.60f, 0.50f}, 0.50f, 0.2f};
   }
   return {};
 }

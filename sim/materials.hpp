@@ -9,26 +9,27 @@
 
 namespace kantaro::sim {
 
-/// The patterns that surfaces carry. A pattern says how bright the surface is and which way it leans; what
-/// colour and how wet it is, its Look says.
+/// The patterns that surfaces carry. A pattern says how bright the surface is and which way it
+/// leans; what colour and how wet it is, its Look says.
 enum class Pattern : std::uint8_t {
-  kPipeWall,   ///< one period is one turn round the pipe from the crown, and two along it: the invert's deposit is in it
-  kConcrete,   ///< one period is 1 m
-  kRough       ///< lumps, dirt, roots; one period is 0.2 m
+  kPipeWall,  ///< one period is one turn round the pipe from the crown, and two along it: the
+              ///< invert's deposit is in it
+  kConcrete,  ///< one period is 1 m
+  kRough      ///< lumps, dirt, roots; one period is 0.2 m
 };
 inline constexpr int kPatternCount = 3;
 
-/// 8-bit, 3 channels, periodic in both directions: albedo (0 … 1), slope along the column axis and slope along
-/// the row axis (−1 … 1 about 128). Rows run round the wall, columns along it.
+/// 8-bit, 3 channels, periodic in both directions: albedo (0 … 1), slope along the column axis and
+/// slope along the row axis (−1 … 1 about 128). Rows run round the wall, columns along it.
 /// @param contrast  of stains, scale and scratches, 1 as on a used sewer, 0 none.
 [[nodiscard]] cv::Mat MakePattern(Pattern pattern, std::uint64_t seed, double contrast);
 
 /// How a surface looks under the lamps.
 struct Look {
   Pattern pattern{Pattern::kRough};
-  Eigen::Vector3f colour{0.5f, 0.5f, 0.5f};   ///< of the clean surface, linear RGB
-  float gloss{0.1f};                          ///< strength of highlights, 0 … 1
-  float relief{1.0f};                         ///< how much of the pattern's slope shows, 0 … 1
+  Eigen::Vector3f colour{0.5f, 0.5f, 0.5f};  ///< of the clean surface, linear RGB
+  float gloss{0.1f};                         ///< strength of highlights, 0 … 1
+  float relief{1.0f};                        ///< how much of the pattern's slope shows, 0 … 1
 };
 
 /// Walls of a pipe of a given material.

@@ -10,9 +10,9 @@ class MujocoError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Makes MuJoCo's errors and warnings throw MujocoError; by default errors end the process and warnings go to a
-/// log file in the working directory. MuJoCo's handlers are global, so this is the one place that sets them.
-/// Cheap and safe to call from any thread, any number of times.
+/// Makes MuJoCo's errors and warnings throw MujocoError; by default errors end the process and
+/// warnings go to a log file in the working directory. MuJoCo's handlers are global, so this is the
+/// one place that sets them. Cheap and safe to call from any thread, any number of times.
 void ThrowOnMujocoErrors();
 
 }  // namespace kantaro::sim

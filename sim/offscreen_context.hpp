@@ -14,8 +14,9 @@ class RenderingUnavailable : public std::runtime_error {
 
 /// An OpenGL context in memory: OSMesa, which needs neither display nor GPU.
 ///
-/// Entry points come from the context itself; the program links no other OpenGL, because MuJoCo takes its own
-/// from whichever it finds first. A context may move between threads but is current on at most one.
+/// Entry points come from the context itself; the program links no other OpenGL, because MuJoCo
+/// takes its own from whichever it finds first. A context may move between threads but is current
+/// on at most one.
 class OffscreenContext {
  public:
   /// @throws RenderingUnavailable if OSMesa does not start.

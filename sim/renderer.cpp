@@ -25,8 +25,9 @@ constexpr double kNear_m = 0.02;
 /// Sent back where nothing at all shines, as a share of full scale: the sensor's black level.
 constexpr double kBlack = 0.03;
 
-// GLSL 1.20: MuJoCo 2.2 draws with OpenGL's fixed pipeline and binds no program of its own, so a program bound
-// before mjr_render shades every one of its draws. E is OpenGL's eye frame: x right, y up, z backward.
+// GLSL 1.20: MuJoCo 2.2 draws with OpenGL's fixed pipeline and binds no program of its own, so a
+// program bound before mjr_render shades every one of its draws. E is OpenGL's eye frame: x right,
+// y up, z backward.
 constexpr const char* kVersion = "#version 120\n";
 constexpr const char* kVertexShader = R"(
 varying vec3 p_E;
@@ -41,8 +42,9 @@ void main() {
 }
 )";
 
-// Lamps sit a few centimetres apart: each has its own fall-off and shading, while the lobe and the highlight are
-// taken for all at their middle, which halves the work. LAMPS is defined before this text, so that the loop unrolls.
+// Lamps sit a few centimetres apart: each has its own fall-off and shading, while the lobe and the
+// highlight are taken for all at their middle, which halves the work. LAMPS is defined before this
+// text, so that the loop unrolls.
 constexpr const char* kLampShader = R"(
 varying vec3 p_E;
 varying vec3 normal_E;
@@ -120,13 +122,15 @@ struct Gl {
   PFNGLSHADERSOURCEPROC ShaderSource = Entry<PFNGLSHADERSOURCEPROC>("glShaderSource");
   PFNGLCOMPILESHADERPROC CompileShader = Entry<PFNGLCOMPILESHADERPROC>("glCompileShader");
   PFNGLGETSHADERIVPROC GetShaderiv = Entry<PFNGLGETSHADERIVPROC>("glGetShaderiv");
-  PFNGLGETSHADERINFOLOGPROC GetShaderInfoLog = Entry<PFNGLGETSHADERINFOLOGPROC>("glGetShaderInfoLog");
+  PFNGLGETSHADERINFOLOGPROC GetShaderInfoLog =
+      Entry<PFNGLGETSHADERINFOLOGPROC>("glGetShaderInfoLog");
   PFNGLCREATEPROGRAMPROC CreateProgram = Entry<PFNGLCREATEPROGRAMPROC>("glCreateProgram");
   PFNGLATTACHSHADERPROC AttachShader = Entry<PFNGLATTACHSHADERPROC>("glAttachShader");
   PFNGLLINKPROGRAMPROC LinkProgram = Entry<PFNGLLINKPROGRAMPROC>("glLinkProgram");
   PFNGLGETPROGRAMIVPROC GetProgramiv = Entry<PFNGLGETPROGRAMIVPROC>("glGetProgramiv");
   PFNGLUSEPROGRAMPROC UseProgram = Entry<PFNGLUSEPROGRAMPROC>("glUseProgram");
-  PFNGLGETUNIFORMLOCATIONPROC GetUniformLocation = Entry<PFNGLGETUNIFORMLOCATIONPROC>("glGetUniformLocation");
+  PFNGLGETUNIFORMLOCATIONPROC GetUniformLocation =
+      Entry<PFNGLGETUNIFORMLOCATIONPROC>("glGetUniformLocation");
   PFNGLUNIFORM1IPROC Uniform1i = Entry<PFNGLUNIFORM1IPROC>("glUniform1i");
   PFNGLUNIFORM1FPROC Uniform1f = Entry<PFNGLUNIFORM1FPROC>("glUniform1f");
   PFNGLUNIFORM3FVPROC Uniform3fv = Entry<PFNGLUNIFORM3FVPROC>("glUniform3fv");
@@ -144,19 +148,22 @@ GLuint CompileShader(const Gl& gl, GLenum kind, const std::string& source) {
   if (compiled == 0) {
     std::array<char, 2000> log{};
     gl.GetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
-    throw RenderingUnavailable(std::string("cameras cannot be rendered: OpenGL refuses a shader: ") + log.data());
+    throw RenderingUnavailable(
+        std::string("cameras cannot be rendered: OpenGL refuses a shader: ") + log.data());
   }
   return shader;
 }
 
 GLuint LinkProgram(const Gl& gl, const std::string& fragment_source) {
   const GLuint program = gl.CreateProgram();
-  gl.AttachShader(program, CompileShader(gl, GL_VERTEX_SHADER, std::string(kVersion) + kVertexShader));
+  gl.AttachShader(program,
+                  CompileShader(gl, GL_VERTEX_SHADER, std::string(kVersion) + kVertexShader));
   gl.AttachShader(program, CompileShader(gl, GL_FRAGMENT_SHADER, kVersion + fragment_source));
   gl.LinkProgram(program);
   GLint linked = 0;
   gl.GetProgramiv(program, GL_LINK_STATUS, &linked);
-  if (linked == 0) throw RenderingUnavailable("cameras cannot be rendered: OpenGL does not link a shader");
+  if (linked == 0)
+    throw RenderingUnavailable("cameras cannot be rendered: OpenGL does not link a shader");
   return program;
 }
 
@@ -174,7 +181,8 @@ class Pyramid {
   [[nodiscard]] bool Meets(const Vector3d& p_WCentre, double radius_m) const {
     const Vector3d p_C = X_CW_ * p_WCentre;
     if (p_C.norm() > Renderer::kReach_m + radius_m || p_C.z() < -radius_m) return false;
-    return std::ranges::all_of(inward_C_, [&](const Vector3d& inward) { return inward.dot(p_C) > -radius_m; });
+    return std::ranges::all_of(inward_C_,
+                               [&](const Vector3d& inward) { return inward.dot(p_C) > -radius_m; });
   }
 
  private:
@@ -186,7 +194,8 @@ class Pyramid {
 std::array<std::uint8_t, 256> ToneTable() {
   std::array<std::uint8_t, 256> tone{};
   for (std::size_t i = 0; i < tone.size(); ++i) {
-    tone[i] = static_cast<std::uint8_t>(std::lround(255.0 * kBlack + static_cast<double>(i) * (1.0 - kBlack)));
+    tone[i] = static_cast<std::uint8_t>(
+        std::lround(255.0 * kBlack + static_cast<double>(i) * (1.0 - kBlack)));
   }
   return tone;
 }
@@ -236,14 +245,16 @@ class Renderer::Impl {
 
   cv::Mat Render(const CameraView& view, const Lamps& lamps) {
     Check(view);
-    if (lamps.p_WLamp.size() > kMaxLamps) throw std::invalid_argument("more lamps than a renderer can light");
+    if (lamps.p_WLamp.size() > kMaxLamps)
+      throw std::invalid_argument("more lamps than a renderer can light");
     const OffscreenContext::Current current(context_);
     const GLuint program = LampProgram(lamps.p_WLamp.size());
     gl_->UseProgram(program);
     SetLamps(view, lamps, program);
     const cv::Mat& pixels = Draw(view, program);
     cv::Mat image(pixels.size(), CV_8UC3);
-    // OpenGL's rows run upward. The black level is added here, so that empty and unlit pixels agree.
+    // OpenGL's rows run upward. The black level is added here, so that empty and unlit pixels
+    // agree.
     static const std::array<std::uint8_t, 256> tone = ToneTable();
     for (int row = 0; row < image.rows; ++row) {
       const auto* from = pixels.ptr<cv::Vec4b>(image.rows - 1 - row);
@@ -279,7 +290,8 @@ class Renderer::Impl {
   void Check(const CameraView& view) const {
     if (view.width_px < 1 || view.height_px < 1 || view.width_px > options_.max_width_px ||
         view.height_px > options_.max_height_px || !(view.focal_px > 0.0)) {
-      throw std::invalid_argument("a camera view must have a focal length, and a size from 1 pixel to the renderer's");
+      throw std::invalid_argument(
+          "a camera view must have a focal length, and a size from 1 pixel to the renderer's");
     }
   }
 
@@ -287,7 +299,8 @@ class Renderer::Impl {
   GLuint LampProgram(std::size_t count) {
     GLuint& program = lamp_programs_[count];
     if (program == 0) {
-      program = LinkProgram(*gl_, fmt::format("#define LAMPS {}\n", std::max<std::size_t>(count, 1)) + kLampShader);
+      program = LinkProgram(
+          *gl_, fmt::format("#define LAMPS {}\n", std::max<std::size_t>(count, 1)) + kLampShader);
     }
     return program;
   }
@@ -303,7 +316,8 @@ class Renderer::Impl {
     }
     const auto count = std::max(static_cast<GLint>(lamps.p_WLamp.size()), 1);
     Eigen::Vector3f p_EMiddle = Eigen::Vector3f::Zero();
-    for (int i = 0; i < count; ++i) p_EMiddle += p_ELamp[static_cast<std::size_t>(i)] / static_cast<float>(count);
+    for (int i = 0; i < count; ++i)
+      p_EMiddle += p_ELamp[static_cast<std::size_t>(i)] / static_cast<float>(count);
     const Eigen::Vector3f direction_E = (R_EW * lamps.direction_W.normalized()).cast<float>();
     const double radiance = lamps.p_WLamp.empty() ? 0.0 : kExposure * lamps.brightness / count;
     const auto at = [&](const char* name) { return gl_->GetUniformLocation(program, name); };
@@ -327,14 +341,16 @@ class Renderer::Impl {
     return pixels_;
   }
 
-  /// The camera stands at OpenGL's origin and the scene is moved to it: single precision then suffices anywhere.
+  /// The camera stands at OpenGL's origin and the scene is moved to it: single precision then
+  /// suffices anywhere.
   void SetCamera(const CameraView& view) {
     mjvGLCamera camera{};
     const Eigen::Matrix3f R_WC = view.X_WC.linear().cast<float>();
     Eigen::Map<Eigen::Vector3f>(camera.forward) = R_WC.col(2);
     Eigen::Map<Eigen::Vector3f>(camera.up) = -R_WC.col(1);
     const double scale = kNear_m / view.focal_px;
-    camera.frustum_center = static_cast<float>(scale * (0.5 * (view.width_px - 1) - view.center_x_px));
+    camera.frustum_center =
+        static_cast<float>(scale * (0.5 * (view.width_px - 1) - view.center_x_px));
     camera.frustum_top = static_cast<float>(scale * (view.center_y_px + 0.5));
     camera.frustum_bottom = static_cast<float>(-scale * (view.height_px - 0.5 - view.center_y_px));
     camera.frustum_near = static_cast<float>(kNear_m);
@@ -362,7 +378,8 @@ class Renderer::Impl {
   std::optional<Gl> gl_;
   mjrContext mujoco_{};
   mjvScene scene_{};
-  std::array<GLuint, kMaxLamps + 1> lamp_programs_{};   ///< by the number of lamps, 0 where not yet needed
+  std::array<GLuint, kMaxLamps + 1>
+      lamp_programs_{};  ///< by the number of lamps, 0 where not yet needed
   GLuint depth_program_{};
   cv::Mat pixels_;
 };
@@ -372,10 +389,14 @@ Renderer::Renderer(std::shared_ptr<const Scenery> scenery, const RendererOptions
 
 Renderer::~Renderer() = default;
 
-cv::Mat Renderer::Render(const CameraView& view, const Lamps& lamps) { return impl_->Render(view, lamps); }
+cv::Mat Renderer::Render(const CameraView& view, const Lamps& lamps) {
+  return impl_->Render(view, lamps);
+}
 
 cv::Mat Renderer::RenderDepth(const CameraView& view) { return impl_->RenderDepth(view); }
 
-double Response(double radiance) { return kBlack + (1.0 - kBlack) * std::sqrt(1.0 - std::exp(-radiance)); }
+double Response(double radiance) {
+  return kBlack + (1.0 - kBlack) * std::sqrt(1.0 - std::exp(-radiance));
+}
 
 }  // namespace kantaro::sim

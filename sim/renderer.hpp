@@ -9,9 +9,10 @@
 
 namespace kantaro::sim {
 
-/// A pinhole camera in the world. Pixel (0, 0) has its middle at image coordinates (0, 0), as in OpenCV.
+/// A pinhole camera in the world. Pixel (0, 0) has its middle at image coordinates (0, 0), as in
+/// OpenCV.
 struct CameraView {
-  Eigen::Isometry3d X_WC{Eigen::Isometry3d::Identity()};   ///< C optical: x right, y down, z forward
+  Eigen::Isometry3d X_WC{Eigen::Isometry3d::Identity()};  ///< C optical: x right, y down, z forward
   int width_px{640};
   int height_px{480};
   double focal_px{554.0};
@@ -21,9 +22,10 @@ struct CameraView {
 
 /// The robot's own lights: all there is in a sewer.
 struct Lamps {
-  std::vector<Eigen::Vector3d> p_WLamp;   ///< at most kMaxLamps
-  Eigen::Vector3d direction_W{Eigen::Vector3d::UnitX()};   ///< unit; they shine widest and brightest that way
-  double brightness{1.0};                 ///< of all of them together, 0 … 1
+  std::vector<Eigen::Vector3d> p_WLamp;  ///< at most kMaxLamps
+  Eigen::Vector3d direction_W{
+      Eigen::Vector3d::UnitX()};  ///< unit; they shine widest and brightest that way
+  double brightness{1.0};         ///< of all of them together, 0 … 1
 };
 inline constexpr int kMaxLamps = 8;
 
@@ -32,8 +34,9 @@ struct RendererOptions {
   int max_height_px{576};
 };
 
-/// Draws a scenery as cameras see it. Lit per pixel: each lamp falls off with the square of its distance, on
-/// walls that scatter evenly and shine where they are wet. Images depend on the arguments alone, to the bit.
+/// Draws a scenery as cameras see it. Lit per pixel: each lamp falls off with the square of its
+/// distance, on walls that scatter evenly and shine where they are wet. Images depend on the
+/// arguments alone, to the bit.
 ///
 /// Owns an OpenGL context. Any thread may use it, one at a time; two renderers may draw at once.
 class Renderer {
@@ -45,13 +48,15 @@ class Renderer {
   Renderer& operator=(const Renderer&) = delete;
 
   /// @returns 8-bit BGR, height x width.
-  /// @throws std::invalid_argument if the view is empty or larger than the options allow, or of too many lamps.
+  /// @throws std::invalid_argument if the view is empty or larger than the options allow, or of too
+  /// many lamps.
   [[nodiscard]] cv::Mat Render(const CameraView& view, const Lamps& lamps);
 
   /// Ground truth. @returns CV_32F, depth along the optical axis [m], 0 where nothing is in reach.
   [[nodiscard]] cv::Mat RenderDepth(const CameraView& view);
 
-  /// Walls farther than this from the camera are not drawn [m]; the light has faded to nothing by then.
+  /// Walls farther than this from the camera are not drawn [m]; the light has faded to nothing by
+  /// then.
   static constexpr double kReach_m = 6.0;
 
  private:
@@ -59,8 +64,8 @@ class Renderer {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The response of camera and exposure to light: 0 … 1 of the 8-bit range for radiance >= 0 (1 is about what
-/// a clean white wall 0.3 m away sends back). Soft towards white, never quite black.
+/// The response of camera and exposure to light: 0 … 1 of the 8-bit range for radiance >= 0 (1 is
+/// about what a clean white wall 0.3 m away sends back). Soft towards white, never quite black.
 [[nodiscard]] double Response(double radiance);
 
 }  // namespace kantaro::sim

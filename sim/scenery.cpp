@@ -26,14 +26,14 @@ using Eigen::Vector2f;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-/// MuJoCo takes at most this many files at once; three are textures.
-constexpr std::size_t kMostMeshes = mjMAXVFS - kPatternCount;
+/// MuJoCo takes at most so many files at once; the others are the textures and the model.
+constexpr std::size_t kMostMeshes = mjMAXVFS - kPatternCount - 1;
 
 /// How one primitive's wall is painted.
 struct Paint {
   Look look;
-  Vector2f period_m{1.0f, 1.0f};   ///< size of a pattern's period along and around
-  Vector2f offset{0.0f, 0.0f};     ///< in periods
+  Vector2f period_m{1.0f, 1.0f};  ///< size of a pattern's period along and around
+  Vector2f offset{0.0f, 0.0f};    ///< in periods
 };
 
 /// A tone of its own for each part, as pipes come from different batches and age apart.
@@ -78,7 +78,8 @@ Paint PaintOf(const Sewer& sewer, std::size_t index, const SceneryOptions& optio
       break;
     }
     case Feature::kShaft:
-      paint.offset = {static_cast<float>(random.Uniform(0.0, 1.0)), static_cast<float>(random.Uniform(0.0, 1.0))};
+      paint.offset = {static_cast<float>(random.Uniform(0.0, 1.0)),
+                      static_cast<float>(random.Uniform(0.0, 1.0))};
       break;
   }
   VaryTone(paint, random, options.texture_contrast);
@@ -86,12 +87,13 @@ Paint PaintOf(const Sewer& sewer, std::size_t index, const SceneryOptions& optio
 }
 
 Vector3d Middle(const SurfaceMesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
-  return (mesh.positions[triangle[0]] + mesh.positions[triangle[1]] + mesh.positions[triangle[2]]) / 3.0;
+  return (mesh.positions[triangle[0]] + mesh.positions[triangle[1]] + mesh.positions[triangle[2]]) /
+         3.0;
 }
 
 /// Cuts the wall into one mesh for each primitive and stretch of `chunk_m` along it.
-std::vector<Visual> CutWall(const Sewer& sewer, const SurfaceMesh& mesh, const SceneryOptions& options,
-                            double chunk_m) {
+std::vector<Visual> CutWall(const Sewer& sewer, const SurfaceMesh& mesh,
+                            const SceneryOptions& options, double chunk_m) {
   std::map<std::pair<std::uint32_t, int>, std::vector<std::size_t>> groups;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const std::uint32_t owner = mesh.owner[t];
@@ -109,13 +111,14 @@ std::vector<Visual> CutWall(const Sewer& sewer, const SurfaceMesh& mesh, const S
       auto& triangle = visual.mesh.triangles.emplace_back();
       for (std::size_t corner = 0; corner < 3; ++corner) {
         const std::uint32_t vertex = mesh.triangles[t][corner];
-        const auto [found, is_new] =
-            renumbered.try_emplace(vertex, static_cast<std::uint32_t>(visual.mesh.positions.size()));
+        const auto [found, is_new] = renumbered.try_emplace(
+            vertex, static_cast<std::uint32_t>(visual.mesh.positions.size()));
         triangle[corner] = found->second;
         if (!is_new) continue;
         visual.mesh.positions.push_back((mesh.positions[vertex] - visual.mesh.p_WO).cast<float>());
         visual.mesh.normals.push_back(mesh.normals[vertex]);
-        visual.mesh.texture.push_back(mesh.surface_m[vertex].cwiseQuotient(paint.period_m) + paint.offset);
+        visual.mesh.texture.push_back(mesh.surface_m[vertex].cwiseQuotient(paint.period_m) +
+                                      paint.offset);
       }
     }
   }
@@ -125,7 +128,9 @@ std::vector<Visual> CutWall(const Sewer& sewer, const SurfaceMesh& mesh, const S
 /// Faults and the dirt at joints.
 std::vector<Visual> BuildDetails(const Sewer& sewer, const SceneryOptions& options) {
   std::vector<Visual> details;
-  const auto keep = [&](std::vector<Visual> some) { std::ranges::move(some, std::back_inserter(details)); };
+  const auto keep = [&](std::vector<Visual> some) {
+    std::ranges::move(some, std::back_inserter(details));
+  };
   for (std::size_t i = 0; i < sewer.network.pipes.size(); ++i) {
     const network::Pipe& pipe = sewer.network.pipes[i];
     const double radius_m = pipe.diameter_m / 2.0;
@@ -141,57 +146,22 @@ std::vector<Visual> BuildDetails(const Sewer& sewer, const SceneryOptions& optio
   return details;
 }
 
-std::vector<Visual> BuildVisuals(const Sewer& sewer, const SurfaceMesh& mesh, const SceneryOptions& options) {
+std::vector<Visual> BuildVisuals(const Sewer& sewer, const SurfaceMesh& mesh,
+                                 const SceneryOptions& options) {
   std::vector<Visual> visuals = BuildDetails(sewer, options);
   const std::size_t detail_count = visuals.size();
   if (detail_count + sewer.voids.size() > kMostMeshes) {
-    throw std::invalid_argument(fmt::format(
-        "a scenery holds {} pieces at most: give it the part of the network that the mission can reach", kMostMeshes));
+    throw std::invalid_argument(
+        fmt::format("a scenery holds {} pieces at most: give it the part of the network that the "
+                    "mission can reach",
+                    kMostMeshes));
   }
   double chunk_m = options.chunk_length_m;
   std::vector<Visual> wall = CutWall(sewer, mesh, options, chunk_m);
-  while (detail_count + wall.size() > kMostMeshes) wall = CutWall(sewer, mesh, options, chunk_m *= 2.0);
+  while (detail_count + wall.size() > kMostMeshes)
+    wall = CutWall(sewer, mesh, options, chunk_m *= 2.0);
   std::ranges::move(wall, std::back_inserter(visuals));
   return visuals;
-}
-
-/// The bytes of a file as MuJoCo reads it.
-class FileBytes {
- public:
-  template <typename T>
-  void Append(const T* values, std::size_t count) {
-    const auto* begin = reinterpret_cast<const char*>(values);
-    bytes_.insert(bytes_.end(), begin, begin + count * sizeof(T));
-  }
-  void AppendInt(std::size_t value) {
-    const auto number = static_cast<std::int32_t>(value);
-    Append(&number, 1);
-  }
-  [[nodiscard]] const std::vector<char>& bytes() const { return bytes_; }
-
- private:
-  std::vector<char> bytes_;
-};
-
-FileBytes MeshFile(const VisualMesh& mesh) {
-  FileBytes file;
-  file.AppendInt(mesh.positions.size());
-  file.AppendInt(mesh.normals.size());
-  file.AppendInt(mesh.texture.size());
-  file.AppendInt(mesh.triangles.size());
-  file.Append(mesh.positions.data(), mesh.positions.size());
-  file.Append(mesh.normals.data(), mesh.normals.size());
-  file.Append(mesh.texture.data(), mesh.texture.size());
-  file.Append(mesh.triangles.data(), mesh.triangles.size());
-  return file;
-}
-
-FileBytes TextureFile(const cv::Mat& pattern) {
-  FileBytes file;
-  file.AppendInt(static_cast<std::size_t>(pattern.cols));
-  file.AppendInt(static_cast<std::size_t>(pattern.rows));
-  file.Append(pattern.data, pattern.total() * pattern.elemSize());
-  return file;
 }
 
 /// Files that exist in memory only.
@@ -202,50 +172,90 @@ class VirtualFiles {
   VirtualFiles(const VirtualFiles&) = delete;
   VirtualFiles& operator=(const VirtualFiles&) = delete;
 
-  void Add(const std::string& name, const std::vector<char>& bytes) {
-    if (mj_makeEmptyFileVFS(vfs_.get(), name.c_str(), static_cast<int>(bytes.size())) != 0) {
+  /// Starts a file; its content follows by Append, which must fill it.
+  void Begin(const std::string& name, std::size_t size) {
+    if (mj_makeEmptyFileVFS(vfs_.get(), name.c_str(), static_cast<int>(size)) != 0) {
       throw MujocoError("MuJoCo: no room for " + name);
     }
-    std::memcpy(vfs_->filedata[vfs_->nfile - 1], bytes.data(), bytes.size());
+    end_ = static_cast<char*>(vfs_->filedata[vfs_->nfile - 1]);
+  }
+  template <typename T>
+  void Append(const T* values, std::size_t count) {
+    std::memcpy(end_, values, count * sizeof(T));
+    end_ += count * sizeof(T);
+  }
+  void AppendInt(std::size_t value) {
+    const auto number = static_cast<std::int32_t>(value);
+    Append(&number, 1);
   }
   [[nodiscard]] const mjVFS* get() const { return vfs_.get(); }
 
  private:
   std::unique_ptr<mjVFS> vfs_;
+  char* end_{};  ///< of what the file begun last holds
 };
 
-constexpr std::array<Pattern, kPatternCount> kPatterns{Pattern::kPipeWall, Pattern::kConcrete, Pattern::kRough};
+/// MuJoCo's .msh format.
+void AddMesh(VirtualFiles& files, const std::string& name, const VisualMesh& mesh) {
+  const std::size_t vertices = mesh.positions.size(), triangles = mesh.triangles.size();
+  files.Begin(name, 4 * sizeof(std::int32_t) + vertices * 8 * sizeof(float) +
+                        triangles * 3 * sizeof(std::int32_t));
+  for (const std::size_t count : {vertices, vertices, vertices, triangles}) files.AppendInt(count);
+  files.Append(mesh.positions.data(), vertices);
+  files.Append(mesh.normals.data(), vertices);
+  files.Append(mesh.texture.data(), vertices);
+  files.Append(mesh.triangles.data(), triangles);
+}
+
+/// MuJoCo's own texture format.
+void AddTexture(VirtualFiles& files, const std::string& name, const cv::Mat& pattern) {
+  const std::size_t bytes = pattern.total() * pattern.elemSize();
+  files.Begin(name, 2 * sizeof(std::int32_t) + bytes);
+  files.AppendInt(static_cast<std::size_t>(pattern.cols));
+  files.AppendInt(static_cast<std::size_t>(pattern.rows));
+  files.Append(pattern.data, bytes);
+}
+
+constexpr std::array<Pattern, kPatternCount> kPatterns{Pattern::kPipeWall, Pattern::kConcrete,
+                                                       Pattern::kRough};
 
 mjModel* Compile(const std::vector<Visual>& visuals, const SceneryOptions& options) {
   VirtualFiles files;
   std::string assets, geoms;
   for (const Pattern pattern : kPatterns) {
     const int i = static_cast<int>(pattern);
-    files.Add(fmt::format("pattern{}.rgb", i),
-              TextureFile(MakePattern(pattern, options.seed, options.texture_contrast)).bytes());
-    assets += fmt::format("<texture name='pattern{0}' type='2d' file='pattern{0}.rgb'/>"
-                          "<material name='pattern{0}' texture='pattern{0}'/>", i);
+    AddTexture(files, fmt::format("pattern{}.rgb", i),
+               MakePattern(pattern, options.seed, options.texture_contrast));
+    assets += fmt::format(
+        "<texture name='pattern{0}' type='2d' file='pattern{0}.rgb'/>"
+        "<material name='pattern{0}' texture='pattern{0}'/>",
+        i);
   }
   for (std::size_t i = 0; i < visuals.size(); ++i) {
     const Visual& visual = visuals[i];
-    files.Add(fmt::format("{}.msh", i), MeshFile(visual.mesh).bytes());
+    AddMesh(files, fmt::format("{}.msh", i), visual.mesh);
     assets += fmt::format("<mesh file='{}.msh'/>", i);
     const Vector3d& p = visual.mesh.p_WO;
-    geoms += fmt::format("<geom type='mesh' mesh='{}' material='pattern{}' pos='{} {} {}' contype='0' conaffinity='0'/>", i,
-                         static_cast<int>(visual.look.pattern), p.x(), p.y(), p.z());
+    geoms += fmt::format(
+        "<geom type='mesh' mesh='{}' material='pattern{}' pos='{} {} {}' contype='0' "
+        "conaffinity='0'/>",
+        i, static_cast<int>(visual.look.pattern), p.x(), p.y(), p.z());
   }
-  files.Add("scenery.xml", [&] {
-    const std::string xml = "<mujoco><visual><quality shadowsize='0' offsamples='0'/></visual><asset>" + assets +
-                            "</asset><worldbody>" + geoms + "</worldbody></mujoco>";
-    return std::vector<char>(xml.begin(), xml.end());
-  }());
+  const std::string xml =
+      "<mujoco><visual><quality shadowsize='0' offsamples='0'/></visual><asset>" + assets +
+      "</asset><worldbody>" + geoms + "</worldbody></mujoco>";
+  files.Begin("scenery.xml", xml.size());
+  files.Append(xml.data(), xml.size());
   std::array<char, 1000> problem{};
-  mjModel* model = mj_loadXML("scenery.xml", files.get(), problem.data(), static_cast<int>(problem.size()));
-  if (model == nullptr) throw MujocoError(std::string("MuJoCo refuses the scenery: ") + problem.data());
+  mjModel* model =
+      mj_loadXML("scenery.xml", files.get(), problem.data(), static_cast<int>(problem.size()));
+  if (model == nullptr)
+    throw MujocoError(std::string("MuJoCo refuses the scenery: ") + problem.data());
   return model;
 }
 
-/// MuJoCo's own account of how to draw each geom, and where it put it: it re-centres meshes on their inertia.
+/// MuJoCo's own account of how to draw each geom, and where it put it: it re-centres meshes on
+/// their inertia.
 std::vector<Scenery::Piece> Place(const mjModel* model, const std::vector<Visual>& visuals) {
   const std::unique_ptr<mjData, void (*)(mjData*)> data(mj_makeData(model), mj_deleteData);
   mj_kinematics(model, data.get());

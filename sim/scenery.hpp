@@ -13,13 +13,15 @@
 namespace kantaro::sim {
 
 struct SceneryOptions {
-  std::uint64_t seed{1};          ///< of stains, scratches and tones
-  double texture_contrast{1.0};   ///< 0 clean and smooth … 1 a used sewer … 2 filthy
-  double chunk_length_m{1.0};     ///< walls are cut to this along the axis, so that only near ones are drawn
+  std::uint64_t seed{1};         ///< of stains, scratches and tones
+  double texture_contrast{1.0};  ///< 0 clean and smooth … 1 a used sewer … 2 filthy
+  double chunk_length_m{
+      1.0};  ///< walls are cut to this along the axis, so that only near ones are drawn
 };
 
-/// Everything that cameras see of a sewer: walls, joints, shafts and faults with their looks, as a MuJoCo model
-/// of visual meshes alone. Immutable: any number of renderers on any threads may draw it.
+/// Everything that cameras see of a sewer: walls, joints, shafts and faults with their looks, as a
+/// MuJoCo model of visual meshes alone. Immutable: any number of renderers on any threads may draw
+/// it.
 class Scenery {
  public:
   /// @throws std::invalid_argument if the mesh is not the sewer's. @throws MujocoError
@@ -27,9 +29,9 @@ class Scenery {
 
   /// One piece of the scene, placed absolutely; renderers draw it relative to their camera.
   struct Piece {
-    mjvGeom geom{};                                       ///< ready to draw but for its position
-    Eigen::Vector3d p_WG{Eigen::Vector3d::Zero()};        ///< of the geom's frame
-    Eigen::Vector3d p_WCentre{Eigen::Vector3d::Zero()};   ///< of a sphere around it
+    mjvGeom geom{};                                      ///< ready to draw but for its position
+    Eigen::Vector3d p_WG{Eigen::Vector3d::Zero()};       ///< of the geom's frame
+    Eigen::Vector3d p_WCentre{Eigen::Vector3d::Zero()};  ///< of a sphere around it
     double radius_m{};
     int triangle_count{};
   };
