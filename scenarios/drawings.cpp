@@ -73,6 +73,7 @@ double RoundStep(double rough) {
 }
 
 std::string Short(double value, double step) {
+  if (std::abs(value) < step / 2.0) value = 0.0;  // no "-0.0"
   return fmt::format("{:.{}f}", value, step >= 1.0 ? 0 : step >= 0.1 ? 1 : 2);
 }
 

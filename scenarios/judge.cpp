@@ -232,11 +232,8 @@ Check FinalPositionError(const Scenario& scenario, const MissionTrace& trace) {
   check.passed = check.value <= check.limit;
   check.at_s = trace.truth.back().time_s;
   check.place = ToWords(trace.truth.back().place);
-  const EstimateSample& estimate = trace.estimate.back();
-  check.text =
-      fmt::format("At the end the robot stands in {} and takes it for {}.", check.place,
-                  estimate.pipe.empty() ? std::string("no place at all")
-                                        : ToWords({estimate.pipe, "", estimate.chainage_m}));
+  check.text = fmt::format("At the end the robot stands in {} and takes it for {}.", check.place,
+                           ToWords(PlaceOf(scenario.network, trace.estimate.back())));
   return check;
 }
 
@@ -332,6 +329,16 @@ std::map<std::string, double> Metrics(const Verdict& verdict, const MissionTrace
 std::string ToWords(const Place& place) {
   if (!place.pipe.empty()) return fmt::format("pipe {} at {:.2f} m", place.pipe, place.chainage_m);
   return place.manhole.empty() ? "no known place" : "manhole " + place.manhole;
+}
+
+Place PlaceOf(const network::Network& network, const EstimateSample& estimate) {
+  const auto index = network.FindPipe(estimate.pipe);
+  if (!index) return {};
+  const network::Pipe& pipe = network.pipes[*index];
+  if (estimate.chainage_m < 0.0) return {"", pipe.upstream, 0.0};
+  if (estimate.chainage_m > network::PipeAxis(network, pipe).length_m())
+    return {"", pipe.downstream, 0.0};
+  return {estimate.pipe, "", estimate.chainage_m};
 }
 
 double PositionError(const network::Network& network, const TruthSample& truth,

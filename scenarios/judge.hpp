@@ -51,6 +51,10 @@ struct Verdict {
 [[nodiscard]] double PositionError(const network::Network& network, const TruthSample& truth,
                                    const EstimateSample& estimate);
 
+/// The place that an estimate stands for: beyond an end of its pipe the robot means the manhole
+/// there.
+[[nodiscard]] Place PlaceOf(const network::Network& network, const EstimateSample& estimate);
+
 /// "pipe A at 3.20 m" or "manhole M1".
 [[nodiscard]] std::string ToWords(const Place& place);
 

@@ -17,11 +17,16 @@ namespace {
 constexpr double kWide_px = 1030.0;
 constexpr double kNarrow_px = 340.0;
 
+/// A sentence's beginning.
+std::string Capital(std::string text) {
+  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text;
+}
+
 /// "no_turn_without_junction" as "No turn without junction".
 std::string Spoken(std::string name) {
   std::replace(name.begin(), name.end(), '_', ' ');
-  if (!name.empty()) name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
-  return name;
+  return Capital(std::move(name));
 }
 
 std::string Value(double value, const std::string& unit) {
@@ -132,7 +137,7 @@ std::string FrameSection(const MissionTrace& trace) {
     const LandmarkFrame& frame = trace.frames[i];
     figures += fmt::format(
         "<figure>{}<figcaption><b>{}</b><span>{} <i>{:.1f} s</i></span></figcaption></figure>",
-        Picture(frame.jpeg, frame.caption), i + 1, Escape(frame.caption), frame.time_s);
+        Picture(frame.jpeg, frame.caption), i + 1, Escape(Capital(frame.caption)), frame.time_s);
   }
   return R"(<section class="strip-section"><h2>What it saw</h2><p class="note">The front camera when the robot noticed a landmark.</p><div class="strip">)" +
          figures + "</div></section>";
@@ -263,7 +268,7 @@ std::string EventSection(const MissionTrace& trace) {
   std::string rows;
   for (const Event& event : trace.events) {
     rows += fmt::format("<tr><td class=\"number\">{:.2f} s</td><td>{}</td><td>{}</td></tr>",
-                        event.time_s, Escape(event.kind), Escape(event.text));
+                        event.time_s, Escape(event.kind), Escape(Capital(event.text)));
   }
   return fmt::format(
       "<details><summary>All {} events in "

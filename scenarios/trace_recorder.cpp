@@ -102,7 +102,9 @@ void TraceRecorder::Add(const robot::Command& command, navigation::Executive& ex
 void TraceRecorder::Keep(const navigation::Event& event) {
   const double time_s = robot::Seconds(event.time);
   trace_.events.push_back({time_s, ToString(event.kind), event.text});
-  if (front_image_.empty() || trace_.frames.size() >= kMostFrames) return;
+  const bool same_image =
+      !trace_.frames.empty() && time_s - trace_.frames.back().time_s < 1.0 / camera_.rate_Hz;
+  if (front_image_.empty() || same_image || trace_.frames.size() >= kMostFrames) return;
   trace_.frames.push_back({time_s, event.text, Jpeg(front_image_)});
 }
 
@@ -152,11 +154,11 @@ void TraceRecorder::Look(const perception::LaserObservation& laser,
   ring_rank_ = rank;
   const navigation::Estimate estimate = executive.estimate();
   const navigation::MapLeg& leg = executive.route().legs[estimate.leg];
-  trace_.laser_ring =
-      LaserRing{robot::Seconds(laser.captured_at),
-                fmt::format("{}, seen in {}", description,
-                            ToWords({leg.pipe, "", ChainageOf(leg, estimate.distance_m)})),
-                revolution_};
+  const EstimateSample here{0.0, leg.pipe, ChainageOf(leg, estimate.distance_m), 0.0, "", false};
+  trace_.laser_ring = LaserRing{
+      robot::Seconds(laser.captured_at),
+      fmt::format("{}, as the robot thought in {}", description, ToWords(PlaceOf(world_, here))),
+      revolution_};
 }
 
 void TraceRecorder::Sample(double time_s, const sim::GroundTruth& truth,
