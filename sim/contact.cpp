@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3d;
 
 /// A box that lies on the wall is held at both ends.
-constexpr double kBoxSeparation_m = 0.05;
+constexpr double kBoxSeparation_m = 0.1;
 const double kSameNormal = std::cos(25.0 * std::numbers::pi / 180.0);
 
 /// Collects the local minima of one shape and keeps the deepest that are distinct: their normals differ by more than
@@ -69,7 +69,7 @@ class CurveSearch {
 
   void Search(const Sample& a, const Sample& b) const {
     const double length = speed_ * (b.t - a.t);
-    const double least_possible = 0.5 * (a.wall.distance_m + b.wall.distance_m - length);
+    const double least_possible = 0.5 * (kTrust * (a.wall.distance_m + b.wall.distance_m) - length);
     if (least_possible > rounding_ + margin_) return;
     if (length > kFinest_m) {
       const Sample middle = At(0.5 * (a.t + b.t));
@@ -77,7 +77,13 @@ class CurveSearch {
       Search(middle, b);
       return;
     }
-    if (a.slope < 0.0 && b.slope > 0.0) Refine(a, b);
+    // Where a stretch lies flat on the wall, its ends are the contacts.
+    const double flat = 1e-6 * speed_;
+    const bool falls = a.slope < -flat;
+    const bool rises = b.slope > flat;
+    if (falls && rises) Refine(a, b);
+    if (falls && std::abs(b.slope) <= flat) Offer(b);
+    if (std::abs(a.slope) <= flat && rises) Offer(a);
   }
 
   void Offer(const Sample& sample) const {
@@ -102,6 +108,7 @@ class CurveSearch {
   }
 
   static constexpr double kCap_m = 0.08;     // beyond it only "far" matters
+  static constexpr double kTrust = 0.85;     // walls taken as flat look a little too far from afar
   static constexpr double kFinest_m = 0.007;
 
   const Nearby& nearby_;

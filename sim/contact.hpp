@@ -17,7 +17,7 @@ struct WallContact {
 
 /// At most this many contacts of one shape, deepest first. A wheel's normals differ by more than 25° (it stands in a
 /// groove on two sides, but one side is one contact); a box' contacts may also lie apart along it.
-inline constexpr std::size_t kMostContacts = 6;
+inline constexpr std::size_t kMostContacts = 8;
 
 /// A wheel: the points within `tread_m` of a circle of `ring_m` about an axis.
 struct Torus {

@@ -56,12 +56,10 @@ Vector3d FromSweep(const VoidPrimitive& primitive, const SweepPoint& point) {
 Walls WallsAround(const VoidPrimitive& primitive, const Vector3d& p_W) {
   const SweepPoint point = ToSweep(primitive, p_W);
   const auto R_WS = primitive.X_WS.linear();
-  Vector3d forward_S = Vector3d::UnitX();
   Vector3d left_S = Vector3d::UnitY();
   if (primitive.curvature != 0.0) {
     const double angle = point.along_m * primitive.curvature;
-    forward_S = {std::cos(angle), std::sin(angle), 0.0};
-    left_S = {-forward_S.y(), forward_S.x(), 0.0};
+    left_S = {-std::sin(angle), std::cos(angle), 0.0};
   }
 
   Walls walls;
@@ -77,9 +75,9 @@ Walls WallsAround(const VoidPrimitive& primitive, const Vector3d& p_W) {
                                              : Vector3d::UnitZ();
     add(primitive.radius_m - off_axis, inward_S);
   }
-  // Near a cap the plane's own normal equals the axis direction there to first order.
-  add(PastPlane(primitive, point, 0.0), forward_S);
-  add(-PastPlane(primitive, point, primitive.length_m), -forward_S);
+  add(PastPlane(primitive, point, 0.0), Vector3d::UnitX());
+  const double turn = primitive.length_m * primitive.curvature;
+  add(-PastPlane(primitive, point, primitive.length_m), Vector3d(-std::cos(turn), -std::sin(turn), 0.0));
   if (primitive.profile == Profile::kU) add(primitive.wall_height_m - point.up_m, -Vector3d::UnitZ());
   return walls;
 }

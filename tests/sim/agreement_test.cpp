@@ -1,0 +1,144 @@
+// Contact, rays and pictures come from the same voids: do they agree on where the wall is?
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "base/random.hpp"
+#include "network/formats.hpp"
+#include "sim/ray_caster.hpp"
+#include "sim/renderer.hpp"
+#include "sim/sewer.hpp"
+#include "sim/surface_mesh.hpp"
+#include "sim/void_field.hpp"
+
+namespace kantaro::sim {
+namespace {
+
+using Eigen::Vector3d;
+
+/// A point on the wall, with the direction into the void.
+struct WallPoint {
+  Vector3d p_W;
+  Vector3d normal_W;
+  bool on_edge{};   ///< another wall within 5 mm
+};
+
+/// The six kinds of place that the three are compared at.
+enum class Place { kStraight, kJoint, kMouth, kChannel, kBend, kInlet };
+
+class Agreement : public testing::Test {
+ protected:
+  static constexpr double kBack_m = 0.03;    ///< looked at from so far inside the void
+
+  Sewer sewer_ = BuildSewer(network::ReadNetwork(KANTARO_SOURCE_DIR "/models/networks/test_field.yaml"));
+  VoidField field_{sewer_.voids};
+  SurfaceMesh mesh_ = Tessellate(sewer_.voids);
+  RayCaster rays_{mesh_};
+  Renderer renderer_{std::make_shared<const Scenery>(sewer_, mesh_)};
+
+  static bool Matches(const VoidPrimitive& v, Place place) {
+    switch (place) {
+      case Place::kStraight: return v.feature == Feature::kStraight;
+      case Place::kMouth: return v.feature == Feature::kStraight || v.feature == Feature::kInlet;
+      case Place::kJoint: return v.feature == Feature::kJoint;
+      case Place::kChannel: return v.feature == Feature::kChannel;
+      case Place::kBend: return v.feature == Feature::kBend;
+      case Place::kInlet: return v.feature == Feature::kInlet;
+    }
+    return false;
+  }
+
+  /// A point of the side of one primitive, drawn evenly; for mouths, within 10 mm of its start (or of the pipe's
+  /// wall, where an inlet begins).
+  Vector3d DrawOnSide(const VoidPrimitive& v, Place place, RandomStream& random) const {
+    double along = random.Uniform(0.0, v.length_m);
+    if (place == Place::kMouth) along = random.Uniform(0.0, v.feature == Feature::kInlet ? 0.16 : 0.010);
+    const double around = random.Uniform(0.0, 2.0 * std::numbers::pi);
+    SweepPoint point{along, v.radius_m * std::cos(around), v.radius_m * std::sin(around)};
+    if (v.profile == Profile::kU && point.up_m > 0.0) point.left_m = std::copysign(v.radius_m, point.left_m);
+    return FromSweep(v, point);
+  }
+
+  /// Draws until the point is wall (no other void takes it away) and can be looked at from inside.
+  WallPoint Draw(Place place, RandomStream& random) const {
+    std::vector<const VoidPrimitive*> candidates;
+    for (const VoidPrimitive& v : sewer_.voids) {
+      if (Matches(v, place)) candidates.push_back(&v);
+    }
+    for (;;) {
+      const VoidPrimitive& v = *candidates[random.Index(candidates.size())];
+      const Vector3d p = DrawOnSide(v, place, random);
+      const Walls walls = WallsAround(v, p);
+      const Vector3d n = walls.wall[0].normal_W;
+      const bool taken = std::any_of(sewer_.voids.begin(), sewer_.voids.end(), [&](const VoidPrimitive& other) {
+        return &other != &v && InsideDistance(other, p) > 1e-5;
+      });
+      const bool capped = std::any_of(walls.wall.begin() + 1, walls.wall.begin() + walls.count,
+                                      [](const Wall& wall) { return wall.distance_m < 0.0; });
+      if (taken || capped) continue;
+      const double back = place == Place::kJoint ? 0.003 : kBack_m;
+      if (VoidField::NearestWall(field_.Around(p + back * n, 0.1), p + back * n, 0.1).distance_m < 0.5 * back) continue;
+      // On an edge the wall of a probe beside the point is another one.
+      const Vector3d probe = p + 0.005 * n;
+      const double nearest = VoidField::NearestWall(field_.Around(probe, 0.05), probe, 0.05).distance_m;
+      bool edge = nearest < 0.0049;
+      for (const Vector3d& side : {n.unitOrthogonal().eval(), n.cross(n.unitOrthogonal()).eval()}) {
+        for (const double sign : {-0.005, 0.005}) {
+          const Vector3d beside = p + sign * side;
+          const double there = VoidField::NearestWall(field_.Around(beside, 0.05), beside, 0.05).distance_m;
+          edge = edge || std::abs(there) > 0.001;
+        }
+      }
+      return {p, n, edge};
+    }
+  }
+
+  double ByContact(const WallPoint& at) const {
+    return VoidField::NearestWall(field_.Around(at.p_W, 0.05), at.p_W, 0.05).distance_m;
+  }
+
+  double ByRay(const WallPoint& at, double back_m) const {
+    const auto hit = rays_.Cast(at.p_W + back_m * at.normal_W, -at.normal_W, 1.0);
+    return hit ? hit->range_m - back_m : INFINITY;
+  }
+
+  double ByPicture(const WallPoint& at, double back_m) {
+    CameraView view;
+    view.width_px = view.height_px = 9;
+    view.focal_px = 400.0;
+    view.center_x_px = view.center_y_px = 4.0;
+    view.X_WC.linear().col(2) = -at.normal_W;
+    view.X_WC.linear().col(0) = at.normal_W.unitOrthogonal();
+    view.X_WC.linear().col(1) = view.X_WC.linear().col(2).cross(view.X_WC.linear().col(0));
+    view.X_WC.translation() = at.p_W + back_m * at.normal_W;
+    return renderer_.RenderDepth(view).at<float>(4, 4) - back_m;
+  }
+
+  void Compare(Place place, int count) {
+    RandomStream random(7, "agreement." + std::to_string(static_cast<int>(place)));
+    const double back = place == Place::kJoint ? 0.003 : kBack_m;
+    for (int i = 0; i < count; ++i) {
+      const WallPoint at = Draw(place, random);
+      const double tolerance = at.on_edge ? 0.002 : 0.001;
+      EXPECT_NEAR(ByContact(at), 0.0, tolerance) << at.p_W.transpose();
+      EXPECT_NEAR(ByRay(at, back), 0.0, tolerance) << at.p_W.transpose();
+      // A picture needs its near plane: look from farther where there is room.
+      if (place != Place::kJoint) {
+        EXPECT_NEAR(ByPicture(at, back), 0.0, tolerance) << at.p_W.transpose();
+      }
+    }
+  }
+};
+
+TEST_F(Agreement, OnStraights) { Compare(Place::kStraight, 167); }
+TEST_F(Agreement, InJoints) { Compare(Place::kJoint, 167); }
+TEST_F(Agreement, AtMouths) { Compare(Place::kMouth, 167); }
+TEST_F(Agreement, InChannels) { Compare(Place::kChannel, 167); }
+TEST_F(Agreement, InBends) { Compare(Place::kBend, 166); }
+TEST_F(Agreement, InInlets) { Compare(Place::kInlet, 166); }
+
+}  // namespace
+}  // namespace kantaro::sim

@@ -1,0 +1,162 @@
+#include "sim/twin.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "base/sha256.hpp"
+#include "network/formats.hpp"
+
+namespace kantaro::sim {
+namespace {
+
+using robot::Seconds;
+using namespace std::chrono_literals;
+
+constexpr double kCruise_rad_s = 0.12 / 0.045;
+
+class TwinTest : public testing::Test {
+ protected:
+  robot::Description description_ = robot::ReadDescription(KANTARO_SOURCE_DIR "/models/kantaro");
+  network::Network network_ = network::ReadNetwork(KANTARO_SOURCE_DIR "/models/networks/test_field.yaml");
+
+  Conditions StartIn(const std::string& pipe, double chainage_m) const {
+    Conditions conditions;
+    conditions.start = {pipe, chainage_m, true, 0.0, 0.0};
+    conditions.seed = 5;
+    conditions.time_limit_s = 2.0;
+    return conditions;
+  }
+};
+
+void Add(Sha256& hash, const void* data, std::size_t size) {
+  hash.Add({static_cast<const std::byte*>(data), size});
+}
+
+void Add(Sha256& hash, const cv::Mat& image) { Add(hash, image.data, image.total() * image.elemSize()); }
+
+/// A digest of all that a twin says until its time is up.
+std::string Digest(Twin& twin) {
+  Sha256 hash;
+  twin.Apply({kCruise_rad_s, kCruise_rad_s, 1.0});
+  while (const auto reading = twin.Read()) {
+    const auto time = reading->captured_at.count();
+    Add(hash, &time, sizeof time);
+    if (const auto* laser = std::get_if<robot::LaserRevolution>(&reading->value)) {
+      for (const robot::LaserSample& sample : laser->samples) Add(hash, &sample.range_m, sizeof sample.range_m);
+    } else if (const auto* front = std::get_if<robot::FrontImage>(&reading->value)) {
+      Add(hash, front->image);
+    } else if (const auto* stereo = std::get_if<robot::StereoPair>(&reading->value)) {
+      Add(hash, stereo->left);
+      Add(hash, stereo->right);
+    } else if (const auto* wheels = std::get_if<robot::WheelEncoders>(&reading->value)) {
+      Add(hash, wheels->angle_rad.data(), sizeof wheels->angle_rad);
+    }
+  }
+  return hash.HexDigest();
+}
+
+TEST_F(TwinTest, HandsOverEverySensorInOrderAtItsRate) {
+  Twin twin(BuildWorld(network_, 1, /*cameras=*/true), description_, StartIn("P1", 1.0));
+  twin.Apply({kCruise_rad_s, kCruise_rad_s, 1.0});
+  std::array<int, std::variant_size_v<decltype(robot::Reading::value)>> count{};
+  robot::RunTime last{};
+  while (const auto reading = twin.Read()) {
+    EXPECT_LE(reading->captured_at, reading->arrived_at);
+    EXPECT_LE(last, reading->arrived_at);
+    EXPECT_EQ(twin.Now(), reading->arrived_at);
+    last = reading->arrived_at;
+    ++count[reading->value.index()];
+    if (const auto* front = std::get_if<robot::FrontImage>(&reading->value)) {
+      EXPECT_EQ(front->image.size(), cv::Size(704, 480));
+    }
+    if (const auto* stereo = std::get_if<robot::StereoPair>(&reading->value)) {
+      EXPECT_EQ(stereo->left.size(), cv::Size(640, 480));
+      EXPECT_EQ(stereo->right.size(), cv::Size(640, 480));
+    }
+  }
+  EXPECT_EQ(count[0], 9);      // 5 Hz for 2 s; the last is still on its way (60 ms)
+  EXPECT_EQ(count[1], 9);
+  EXPECT_NEAR(count[2], 60, 1);
+  EXPECT_EQ(count[3], 100);
+  EXPECT_EQ(count[4], 100);
+  EXPECT_EQ(count[5], 200);
+}
+
+TEST_F(TwinTest, TheLaserSeesThePipeAndThenOnlyTheTopOfAPlainManhole) {
+  Twin twin(BuildWorld(network_, 1, false), description_, StartIn("P1", 2.0));
+  const auto next_turn = [](Twin& from) {
+    while (const auto reading = from.Read()) {
+      if (const auto* laser = std::get_if<robot::LaserRevolution>(&reading->value)) return *laser;
+    }
+    throw std::logic_error("no revolution arrived");
+  };
+  for (const robot::LaserSample& sample : next_turn(twin).samples) EXPECT_NEAR(sample.range_m, 0.150, 0.006);
+}
+
+TEST_F(TwinTest, RepeatsToTheBitWhateverTheNumberOfRenderThreads) {
+  const World world = BuildWorld(network_, 1, true);
+  Conditions conditions = StartIn("P1", 1.0);
+  conditions.time_limit_s = 1.0;
+  conditions.render_threads = 1;
+  Twin one(world, description_, conditions);
+  conditions.render_threads = 2;
+  Twin two(world, description_, conditions);
+  EXPECT_EQ(Digest(one), Digest(two));
+}
+
+TEST_F(TwinTest, AnotherSeedIsAnotherRun) {
+  const World world = BuildWorld(network_, 1, false);
+  Conditions conditions = StartIn("P1", 1.0);
+  Twin one(world, description_, conditions);
+  conditions.seed = 6;
+  Twin two(world, description_, conditions);
+  EXPECT_NE(Digest(one), Digest(two));
+}
+
+TEST_F(TwinTest, KnowsWhereItTrulyIs) {
+  Twin twin(BuildWorld(network_, 1, false), description_, StartIn("P2", 3.0));
+  const GroundTruth truth = twin.Truth();
+  ASSERT_TRUE(truth.pipe);
+  EXPECT_EQ(network_.pipes[*truth.pipe].name, "P2");
+  EXPECT_NEAR(truth.chainage_m, 3.0, 0.01);
+  EXPECT_FALSE(truth.upper_box_touched);
+}
+
+TEST_F(TwinTest, SpeedIsTheSpeedAlongThePipe) {
+  Twin twin(BuildWorld(network_, 1, false), description_, StartIn("P1", 1.0));
+  twin.Apply({kCruise_rad_s, kCruise_rad_s, 1.0});
+  while (twin.Read()) {
+  }
+  EXPECT_NEAR(twin.Truth().speed_m_s, 0.12, 0.005);
+}
+
+// Uphill on ice: wheels that turn, and a robot that slides back (the pipe falls by 0.8 %).
+TEST_F(TwinTest, WheelsSlipWhereTheyFindNoGrip) {
+  Conditions conditions = StartIn("P1", 3.0);
+  conditions.start.facing_downstream = false;
+  conditions.wheel_friction = 0.002;
+  Twin twin(BuildWorld(network_, 1, false), description_, conditions);
+  const double from = twin.Truth().chainage_m;
+  twin.Apply({kCruise_rad_s, kCruise_rad_s, 1.0});
+  double rolled = 0.0;
+  while (const auto reading = twin.Read()) {
+    if (const auto* wheels = std::get_if<robot::WheelEncoders>(&reading->value)) rolled = 0.045 * wheels->angle_rad[0];
+  }
+  EXPECT_GT(rolled, 0.2);
+  EXPECT_GE(twin.Truth().chainage_m, from);
+}
+
+TEST_F(TwinTest, RefusesCommandsThatAreNoNumbers) {
+  Twin twin(BuildWorld(network_, 1, false), description_, StartIn("P1", 1.0));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(twin.Apply({nan, 0.0, 1.0}), std::invalid_argument);
+  EXPECT_THROW(twin.Apply({0.0, 0.0, 1.5}), std::invalid_argument);
+  EXPECT_NO_THROW(twin.Apply({1000.0, 1000.0, 1.0}));   // clamped by the motors
+}
+
+}  // namespace
+}  // namespace kantaro::sim
