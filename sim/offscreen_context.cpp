@@ -2,23 +2,12 @@
 
 #include <GL/osmesa.h>
 
-#include <cstdlib>
-#include <mutex>
 #include <string>
 
 namespace kantaro::sim {
 namespace {
 
-/// llvmpipe reads its settings once, from the environment, when its first context starts.
-/// Rasterising in the calling thread lets two renderers draw on two cores at once; what the user
-/// set wins.
-void ChooseThreadsOnce() {
-  static std::once_flag once;
-  std::call_once(once, [] { setenv("LP_NUM_THREADS", "0", /*overwrite=*/0); });
-}
-
 OSMesaContext CreateContext() {
-  ChooseThreadsOnce();
   return OSMesaCreateContextExt(OSMESA_RGBA, /*depthBits=*/24, /*stencilBits=*/8, /*accumBits=*/0,
                                 nullptr);
 }

@@ -39,6 +39,9 @@ struct RendererOptions {
 /// arguments alone, to the bit.
 ///
 /// Owns an OpenGL context. Any thread may use it, one at a time; two renderers may draw at once.
+/// llvmpipe fills the pixels of all renderers of a process with one crew of threads, as many as
+/// there are cores (environment variable LP_NUM_THREADS); with 0 they fill them themselves, but one
+/// after the other. The pixels are the same.
 class Renderer {
  public:
   /// @throws RenderingUnavailable, MujocoError
