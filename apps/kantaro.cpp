@@ -98,7 +98,8 @@ void Declare(CLI::App& app, Words& words) {
   run->add_option("--seed", words.seed, "what the variation is drawn from (default 1)");
   run->add_option("--out", words.out, "run folder (default runs/NAME/seed-N)");
   run->add_option("--blind", words.blind, "senses to take from the robot: laser,infrared,cameras")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->allow_extra_args(false);
 
   CLI::App* suite = command(
       "suite", "Run many missions, each in a process of its own, and compare with a baseline.");
@@ -110,7 +111,8 @@ void Declare(CLI::App& app, Words& words) {
   suite->add_option("--out", words.out,
                     "folder of suite.json and the run folders (default runs/suite)");
   suite->add_option("--blind", words.blind, "senses to take from the robot: laser,infrared,cameras")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->allow_extra_args(false);
 
   CLI::App* network = command("network", "Check, describe and convert a sewer network.");
   network->add_option("FILE", words.file, "a network: the project's .yaml, or EPA SWMM .inp")
@@ -126,6 +128,20 @@ void Declare(CLI::App& app, Words& words) {
   render->add_option("--seed", words.seed, "what the conditions are drawn from (default 1)");
   render->add_option("--out", words.out,
                      "folder for the pictures (default runs/NAME/view-PIPE-CHAINAGE)");
+}
+
+/// CLI11 alone would say of an unknown command that one is required.
+void CheckCommand(const CLI::App& app, int argc, char** argv) {
+  const std::string given = argc > 1 ? argv[1] : "";
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    names.push_back(command->get_name());
+  }
+  if (given.starts_with('-') || std::find(names.begin(), names.end(), given) != names.end()) return;
+  const std::string problem =
+      given.empty() ? "none is given" : fmt::format("\"{}\" is not one", given);
+  throw InputError("COMMAND", {}, "",
+                   fmt::format("{}; known are {}", problem, fmt::join(names, ", ")));
 }
 
 /// One line, whatever names from files it quotes.
@@ -147,6 +163,7 @@ int main(int argc, char** argv) {
   Words words;
   Declare(app, words);
   try {
+    CheckCommand(app, argc, argv);
     app.parse(argc, argv);
     return Dispatch(app, words);
   } catch (const CLI::Success& help) {

@@ -21,9 +21,10 @@ constexpr double kSpeedWindow_s = 0.5;
 /// Sinking faster than this is a drop: on the steepest grade the robot climbs, 10 %, it sinks by a
 /// tenth of its speed, 0.015 m/s at the limit.
 constexpr double kDropSpeed_m_s = 0.04;
-/// A turn may begin this far outside the shaft: the thesis' robot backs up by 40 cm before it turns
-/// (section 5.6), and the base stands up to half its length before the shaft's wall.
-constexpr double kTurnReach_m = 0.6;
+/// A turn may begin while the base stands this far outside the shaft: with the front half of the
+/// robot inside, its front wheels reach the bend of the channel. Earlier it would be turning in a
+/// straight pipe, which the thesis forbids (5.6).
+constexpr double kTurnReach_m = 0.25;
 /// Near a mouth the robot leaves the axis of its pipe as it must.
 constexpr double kMouthReach_m = 0.35;
 

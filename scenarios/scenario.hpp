@@ -43,7 +43,7 @@ struct Limits {
   double speed_m_s{0.15};  ///< true speed along the pipe, mean over 0.5 s (thesis 5.6: 15 cm/s)
   double position_error_m{0.5};        ///< largest error of the estimate on the way
   double final_position_error_m{0.3};  ///< and at the end
-  double goal_tolerance_m{0.3};        ///< how far outside the goal the robot may stop
+  double goal_tolerance_m{0.1};        ///< how far outside the goal the robot may stop
   double heading_rad{0.4363};  ///< deviation from the pipe's axis where there is no junction (25°)
 };
 

@@ -2,7 +2,7 @@
 # bad_input_test.sh KANTARO SOURCE: gives the program bad input of every kind. Each is to end with exit code 2, one line on
 # standard error that names what is wrong and where, nothing on standard output, and no output left behind.
 set -u
-kantaro=$1
+kantaro=$(realpath "$1")
 source=$2
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -63,8 +63,9 @@ scenario good.yaml
 "$kantaro" network network.yaml >/dev/null || { echo "the good network is refused"; failures=1; }
 
 # Usage.
-refused "no command" ".*[Ss]ubcommand.*"
-refused "unknown command" ".*" fly
+refused "no command" "COMMAND: none is given; known are run, suite, network, render"
+refused "unknown command" 'COMMAND: "fly" is not one; known are .*' fly
+refused "no scenario" ".*SCENARIO is required.*" run
 refused "unknown option" ".*--colour.*" run good.yaml --colour red
 refused "seed that is no number" '--seed: "seven" is not a number from 0 to [0-9]+' run good.yaml --seed seven --out out
 refused "negative seed" '--seed: "-1" is not a number.*' run good.yaml --seed -1 --out out
