@@ -77,29 +77,37 @@ void Executive::See(const perception::AttitudeObservation& attitude) {
 
 void Executive::See(const perception::LaserObservation& laser) {
   laser_heard_ = laser.captured_at;
-  for (const perception::WindowEdge& edge : laser.edges) SeeWindow(edge);
+  // The top first: whether a side belongs to a junction depends on it.
+  for (const perception::WindowEdge& edge : laser.edges) {
+    if (edge.window == LaserWindow::kTop) SeeTop(edge);
+  }
+  for (const perception::WindowEdge& edge : laser.edges) {
+    if (edge.window != LaserWindow::kTop) SeeSide(edge);
+  }
 }
 
-void Executive::SeeWindow(const perception::WindowEdge& edge) {
+void Executive::SeeTop(const perception::WindowEdge& edge) {
   const double since_m = TravelSince(edge.at);
-  if (edge.window == LaserWindow::kTop) {
-    top_open_ = edge.open;
-    if (edge.open) {
-      SeeEndWall(geometry_.laser_x_m, since_m, "laser");
-    } else if (localiser_.SeeStartWall(-geometry_.laser_x_m + since_m, parameters_.wall_error_m)) {
-      Report(Event::Kind::kLandmark, fmt::format("laser: entered pipe {}", Leg().pipe));
-    } else if (!TurnsHere() && !OnLastLeg() && end_wall_seen_) {
-      // Straight across: the top closes where the next pipe begins.
-      BeginNextLeg(-geometry_.laser_x_m + since_m, parameters_.wall_error_m);
-      Report(Event::Kind::kLandmark, fmt::format("laser: entered pipe {}", Leg().pipe));
-    }
-    return;
+  top_open_ = edge.open;
+  if (edge.open) {
+    SeeEndWall(geometry_.laser_x_m, since_m, "laser");
+  } else if (localiser_.SeeStartWall(-geometry_.laser_x_m + since_m, parameters_.wall_error_m)) {
+    Report(Event::Kind::kLandmark, fmt::format("laser: entered pipe {}", Leg().pipe));
+  } else if (!TurnsHere() && !OnLastLeg() && end_wall_seen_) {
+    // Straight across: the top closes where the next pipe begins.
+    BeginNextLeg(-geometry_.laser_x_m + since_m, parameters_.wall_error_m);
+    Report(Event::Kind::kLandmark, fmt::format("laser: entered pipe {}", Leg().pipe));
   }
+}
+
+void Executive::SeeSide(const perception::WindowEdge& edge) {
+  const double since_m = TravelSince(edge.at);
   const bool left = edge.window == LaserWindow::kLeft;
   auto& opened = left ? side_opened_left_ : side_opened_right_;
   if (edge.open) {
     opened = edge.at;
-    if (top_open_) {
+    // Before the end wall was passed an open top is that of the manhole where the leg began.
+    if (top_open_ && end_wall_seen_) {
       Report(Event::Kind::kLandmark, fmt::format("laser: junction to the {}", left ? "left" : "right"));
       if (TurnsHere() && left == (Leg().turn_rad > 0.0)) junction_seen_ = true;
     }
@@ -130,7 +138,7 @@ void Executive::See(const perception::IrObservation& infrared) {
   infrared_up_ = infrared.manhole;
   // The laser, where there is one, decides about junctions (thesis 5.6).
   const bool side = Leg().turn_rad > 0.0 ? infrared.junction_left : infrared.junction_right;
-  if (TurnsHere() && infrared.manhole && side && Silent(laser_heard_)) junction_seen_ = true;
+  if (TurnsHere() && end_wall_seen_ && infrared.manhole && side && Silent(laser_heard_)) junction_seen_ = true;
 }
 
 void Executive::SeeEndWall(double sensor_x_m, double travelled_since_m, const char* sensor) {

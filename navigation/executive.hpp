@@ -76,7 +76,8 @@ class Executive {
   void See(const perception::FaultObservation&) {}
   void See(const perception::AttitudeObservation& attitude);
 
-  void SeeWindow(const perception::WindowEdge& edge);
+  void SeeTop(const perception::WindowEdge& edge);
+  void SeeSide(const perception::WindowEdge& edge);
   void SeeEndWall(double sensor_x_m, double travelled_since_m, const char* sensor);
   void SeeInlet(bool left, double passed_m);
 

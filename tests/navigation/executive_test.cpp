@@ -249,6 +249,61 @@ TEST(Executive, StandsStillOnceItHasArrived) {
   EXPECT_EQ(command.right_rad_s, 0.0);
 }
 
+// Set down with the laser still in the start shaft, a tee: its windows are open, but of a manhole
+// that lies behind.
+TEST(Executive, TakesNoJunctionOfTheStartForTheNextManholes) {
+  Executive executive = Robot(TeeField(), {"A", "C"}, 1.0, 0.1);
+  (void)executive.Step(OdometryObservation{At(0.1), 0.0, 0.0, 0.0});
+  (void)executive.Step(LaserObservation{At(0.1),
+                                        true,
+                                        true,
+                                        true,
+                                        1,
+                                        1,
+                                        1,
+                                        {},
+                                        {{LaserWindow::kRight, true, At(0.1)},
+                                         {LaserWindow::kTop, true, At(0.1)},
+                                         {LaserWindow::kLeft, true, At(0.1)}}});
+  // 7 m on, the IR (110 mm before the base) comes to the shaft of M, and the laser still reports.
+  (void)executive.Step(OdometryObservation{At(60.0), 6.99, 6.99, 6.99});
+  (void)executive.Step(LaserObservation{At(60.0),
+                                        false,
+                                        false,
+                                        false,
+                                        0.1,
+                                        0.1,
+                                        0.1,
+                                        {},
+                                        {{LaserWindow::kTop, false, At(2.0)},
+                                         {LaserWindow::kLeft, false, At(2.0)},
+                                         {LaserWindow::kRight, false, At(2.0)}}});
+  (void)executive.Step(IrObservation{At(60.0), true, false, false});
+  EXPECT_EQ(executive.phase(), Phase::kDriving);
+}
+
+// Leaving one tee for the next, the laser still looks into the first one's channels.
+TEST(Executive, TakesNoJunctionOfTheManholeItLeavesForTheNext) {
+  network::Network network = Block();
+  network.pipes.push_back(PipeFrom("YW", "Y", "W"));
+  network.manholes.push_back(ManholeAt("W", 0, 8));
+  const std::vector<std::string> route{"A", "Y", "Z"};
+  Executive executive = Robot(network, route);
+  Puppet puppet(network, route, {});
+  bool shown = false;
+  puppet.meddle = [&](perception::Observation& observation, const Puppet&) {
+    auto* laser = std::get_if<LaserObservation>(&observation);
+    if (laser == nullptr || executive.phase() != Phase::kLeaving || shown) return;
+    laser->edges.push_back({LaserWindow::kRight, true, laser->captured_at});
+    shown = true;
+  };
+  puppet.Drive(executive);
+  ASSERT_TRUE(shown) << puppet.story();
+  ExpectArrival(puppet, 2);
+  ASSERT_EQ(puppet.turns().size(), 2u) << puppet.story();
+  EXPECT_NEAR(puppet.turns()[1].beyond_m, kTurnBegins_m, 0.02);
+}
+
 // ---- what every command obeys ----
 
 perception::Observation AnyObservation(RandomStream& random, double& time_s, double& travel_m) {
@@ -284,7 +339,7 @@ perception::Observation AnyObservation(RandomStream& random, double& time_s, dou
     case 4:
       return perception::FaultObservation{at, {}};
     default:
-      travel_m += random.Uniform(-0.1, 0.4);
+      travel_m += random.Uniform(-0.05, 0.15);
       return OdometryObservation{at, travel_m, travel_m, travel_m};
   }
 }
@@ -300,7 +355,7 @@ TEST(Executive, KeepsTheSpeedLimitWhateverItSees) {
     RandomStream random(seed, "observations");
     Executive executive = Robot(network, {"A", seed % 2 == 0 ? "C" : "E"});
     double time_s = 0.0, travel_m = 0.0;
-    for (int i = 0; i < 800; ++i) {
+    for (int i = 0; i < 1500; ++i) {
       const robot::Command command = executive.Step(AnyObservation(random, time_s, travel_m));
       const double left_m_s = 0.045 * command.left_rad_s, right_m_s = 0.045 * command.right_rad_s;
       ASSERT_LE(std::abs(left_m_s + right_m_s) / 2.0, 0.15) << "seed " << seed << ", step " << i;
@@ -314,7 +369,8 @@ TEST(Executive, KeepsTheSpeedLimitWhateverItSees) {
       phases.insert(executive.phase());
     }
   }
-  EXPECT_GE(phases.size(), 4u) << "the sequences reach into the manoeuvres";
+  EXPECT_THAT(phases, testing::IsSupersetOf({Phase::kBackingUp, Phase::kTurning, Phase::kLeaving, Phase::kFailed}))
+      << "the sequences reach into the manoeuvres";
 }
 
 TEST(Executive, NeverExceedsTheLimitOnAMission) {

@@ -148,5 +148,24 @@ std::string WindowOpenFor(double open_m, double& error_m) {
   return story;
 }
 
+// Settled in one revolution, the right window is told before the top one.
+TEST(LostSensors, SeesAJunctionThatOpensTogetherWithTheTop) {
+  for (const bool left : {true, false}) {
+    const std::vector<std::string> route{left ? "A" : "B", "C"};
+    Executive executive(MakeRoute(TeeField(), route, {}), 0.6, Kantaro(), ShippedParameters());
+    (void)executive.Step(OdometryObservation{At(0.0), 0.0, 0.0, 0.0});
+    LaserObservation laser;
+    laser.captured_at = At(54.9);
+    (void)executive.Step(laser);
+    (void)executive.Step(OdometryObservation{At(55.0), 6.8, 6.8, 6.8});
+    laser.captured_at = At(55.0);
+    laser.edges = {{LaserWindow::kRight, true, At(55.0)},
+                   {LaserWindow::kTop, true, At(55.0)},
+                   {LaserWindow::kLeft, true, At(55.0)}};
+    (void)executive.Step(laser);
+    EXPECT_EQ(executive.phase(), Phase::kBackingUp) << (left ? "left" : "right");
+  }
+}
+
 }  // namespace
 }  // namespace kantaro::navigation
