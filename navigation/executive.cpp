@@ -242,26 +242,27 @@ void Executive::Decide() {
 
 void Executive::DecideDriving() {
   const double beyond_m = -localiser_.to_end_m();
-  const bool confirmed = end_wall_seen_ || Blind();
-  if (!confirmed && beyond_m > Gate(localiser_.to_end_deviation_m()) + 2.0 * Leg().end_shaft_radius_m) {
-    Enter(Phase::kFailed, fmt::format("manhole {} was not found where the map has it", Leg().end_manhole));
+  if (!end_wall_seen_ && !Blind()) {
+    if (beyond_m > Gate(localiser_.to_end_deviation_m()) + 2.0 * Leg().end_shaft_radius_m) {
+      Enter(Phase::kFailed, fmt::format("manhole {} was not found where the map has it", Leg().end_manhole));
+    }
   } else if (OnLastLeg()) {
-    if (confirmed && beyond_m > -geometry_.laser_x_m + kArrivalMargin_m) {
+    if (beyond_m > -geometry_.laser_x_m + kArrivalMargin_m) {
       Enter(Phase::kArrived, fmt::format("reached manhole {}", Leg().end_manhole));
     }
   } else if (!TurnsHere()) {
     // The laser usually begins the next leg before this.
     const double through_m = Leg().ThroughManhole_m();
-    if (confirmed && beyond_m > through_m - geometry_.laser_x_m + Gate(parameters_.wall_error_m)) {
+    if (beyond_m > through_m - geometry_.laser_x_m + Gate(parameters_.wall_error_m)) {
       BeginNextLeg(beyond_m - through_m, std::max(localiser_.to_end_deviation_m(), parameters_.wall_error_m));
     }
   } else if (!IsJunction() || Blind()) {
-    if (confirmed && localiser_.distance_m() >= TurnStart_m()) {
+    if (localiser_.distance_m() >= TurnStart_m()) {
       heading_rad_ = 0.0;
       turn_began_m_ = localiser_.distance_m();
       Enter(Phase::kTurning, fmt::format("follow the curve in manhole {}", Leg().end_manhole));
     }
-  } else if (junction_seen_ && end_wall_seen_) {
+  } else if (junction_seen_) {
     const double back_m = localiser_.distance_m() - TurnStart_m();
     Enter(Phase::kBackingUp, fmt::format("junction confirmed in manhole {}: back up by {:.2f} m", Leg().end_manhole, back_m));
   } else if (beyond_m > 2.0 * Leg().end_shaft_radius_m) {

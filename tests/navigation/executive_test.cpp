@@ -163,6 +163,14 @@ TEST_P(MapOff, DrivesThroughWithSlippingWheelsAndCamera) {
   ExpectArrival(Drive(network, {"A", "C"}, setup, GetParam()), 1);
 }
 
+// 40 m of pipe, of which the map has 38 m: the tee comes 2 m, a pipe's width many times over, after
+// it is due.
+TEST(Executive, WaitsForATeeAsLongAsTheMapMayBeOff) {
+  network::Network network = TeeField();
+  network.manholes[0].p_WM.x() = 8.0 - 40.8;
+  ExpectArrival(Drive(network, {"A", "C"}, {}, 0.95), 1);
+}
+
 // IR, laser and camera see one wall one after the other: one manhole, passed once.
 TEST(Executive, CountsAWallSeenByEverySensorOnce) {
   network::Network network = TeeField();
@@ -199,6 +207,17 @@ TEST(Executive, DoesNotTurnWithoutTheJunction) {
   EXPECT_TRUE(puppet.turns().empty()) << puppet.story();
   EXPECT_TRUE(puppet.Was(Phase::kFailed));
   EXPECT_THAT(puppet.story(), HasSubstr("no junction was found in manhole M"));
+}
+
+TEST(Executive, DoesNotTurnWithoutTheManhole) {
+  PuppetSetup setup;
+  setup.tops_open = false;
+  for (const auto& network : {TeeField(), Curve()}) {
+    const Puppet puppet = Drive(network, {"A", "C"}, setup);
+    EXPECT_TRUE(puppet.turns().empty()) << puppet.story();
+    EXPECT_TRUE(puppet.Was(Phase::kFailed));
+    EXPECT_THAT(puppet.story(), HasSubstr("manhole M was not found where the map has it"));
+  }
 }
 
 // An inlet on the side of the turn, a metre before the tee, is no junction.
