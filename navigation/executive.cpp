@@ -225,11 +225,7 @@ void Executive::Decide() {
   switch (phase_) {
     case Phase::kDriving: DecideDriving(); break;
     case Phase::kBackingUp:
-      if (localiser_.distance_m() <= TurnStart_m()) Enter(Phase::kTurning, "turn into the channel");
-      if (phase_ == Phase::kTurning) {
-        heading_rad_ = 0.0;
-        turn_began_m_ = localiser_.distance_m();
-      }
+      if (localiser_.distance_m() <= TurnStart_m()) Steer();
       break;
     case Phase::kTurning: DecideTurning(); break;
     case Phase::kLeaving:
@@ -256,18 +252,28 @@ void Executive::DecideDriving() {
     if (beyond_m > through_m - geometry_.laser_x_m + Gate(parameters_.wall_error_m)) {
       BeginNextLeg(beyond_m - through_m, std::max(localiser_.to_end_deviation_m(), parameters_.wall_error_m));
     }
-  } else if (!IsJunction() || Blind()) {
-    if (localiser_.distance_m() >= TurnStart_m()) {
-      heading_rad_ = 0.0;
-      turn_began_m_ = localiser_.distance_m();
-      Enter(Phase::kTurning, fmt::format("follow the curve in manhole {}", Leg().end_manhole));
-    }
-  } else if (junction_seen_) {
-    const double back_m = localiser_.distance_m() - TurnStart_m();
-    Enter(Phase::kBackingUp, fmt::format("junction confirmed in manhole {}: back up by {:.2f} m", Leg().end_manhole, back_m));
+  } else if (junction_seen_ || !IsJunction() || Blind()) {
+    BeginTurn();
   } else if (beyond_m > 2.0 * Leg().end_shaft_radius_m) {
     Enter(Phase::kFailed, fmt::format("no junction was found in manhole {}", Leg().end_manhole));
   }
+}
+
+void Executive::BeginTurn() {
+  const double back_m = localiser_.distance_m() - TurnStart_m();
+  if (back_m > Gate(parameters_.wall_error_m)) {
+    Enter(Phase::kBackingUp, fmt::format("{} manhole {}: back up by {:.2f} m",
+                                         junction_seen_ ? "junction confirmed in" : "past the bend in",
+                                         Leg().end_manhole, back_m));
+  } else if (back_m >= 0.0) {
+    Steer();
+  }
+}
+
+void Executive::Steer() {
+  heading_rad_ = 0.0;
+  turn_began_m_ = localiser_.distance_m();
+  Enter(Phase::kTurning, fmt::format("turn into the channel of manhole {}", Leg().end_manhole));
 }
 
 void Executive::DecideTurning() {

@@ -39,8 +39,9 @@ struct Event {
 /// Where it is: wheel travel, corrected where laser and IR pass the walls of manholes and inlets and where joints and
 /// mouths come up in the camera (thesis 4.3, 5.5). How it turns at a junction: the laser at the rear sees the junction
 /// only when the robot has entered it, so it backs up as far as the geometry needs and then turns through the channel
-/// (thesis 5.6). At a curve, which leaves no choice, it steers as soon as the front wheels reach the bend. In a pipe it
-/// keeps itself upright by steering against its roll.
+/// (thesis 5.6). At a curve, which leaves no choice, it steers as soon as the front wheels reach the bend; it backs up
+/// only where the manhole was found too late for that, as by the laser alone. In a pipe it keeps itself upright by
+/// steering against its roll.
 ///
 /// It makes a turn only where a sensor confirms the manhole. With laser, IR and camera all silent nothing can; then it
 /// trusts wheels and map and acts at the map's distances.
@@ -84,6 +85,9 @@ class Executive {
   void Decide();
   void DecideDriving();
   void DecideTurning();
+  /// Steers into the channel at its bend's start, and goes back there first if that lies behind.
+  void BeginTurn();
+  void Steer();
   [[nodiscard]] Drive Act() const;
 
   void Enter(Phase phase, const std::string& why);

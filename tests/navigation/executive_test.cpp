@@ -325,7 +325,8 @@ TEST(Executive, TakesNoJunctionOfTheManholeItLeavesForTheNext) {
 
 // ---- what every command obeys ----
 
-perception::Observation AnyObservation(RandomStream& random, double& time_s, double& travel_m) {
+perception::Observation AnyObservation(RandomStream& random, double& time_s, double& travel_m,
+                                       bool backwards) {
   time_s += random.Uniform(-0.05, 0.15);
   const RunTime at = At(time_s);
   const auto coin = [&] { return random.Index(2) == 1; };
@@ -358,7 +359,7 @@ perception::Observation AnyObservation(RandomStream& random, double& time_s, dou
     case 4:
       return perception::FaultObservation{at, {}};
     default:
-      travel_m += random.Uniform(-0.05, 0.15);
+      travel_m += (backwards ? -1.0 : 1.0) * random.Uniform(-0.05, 0.15);
       return OdometryObservation{at, travel_m, travel_m, travel_m};
   }
 }
@@ -374,8 +375,9 @@ TEST(Executive, KeepsTheSpeedLimitWhateverItSees) {
     RandomStream random(seed, "observations");
     Executive executive = Robot(network, {"A", seed % 2 == 0 ? "C" : "E"});
     double time_s = 0.0, travel_m = 0.0;
+    robot::Command command;
     for (int i = 0; i < 1500; ++i) {
-      const robot::Command command = executive.Step(AnyObservation(random, time_s, travel_m));
+      command = executive.Step(AnyObservation(random, time_s, travel_m, command.left_rad_s < 0.0));
       const double left_m_s = 0.045 * command.left_rad_s, right_m_s = 0.045 * command.right_rad_s;
       ASSERT_LE(std::abs(left_m_s + right_m_s) / 2.0, 0.15) << "seed " << seed << ", step " << i;
       ASSERT_LE(std::abs(left_m_s), 0.25) << "seed " << seed << ", step " << i;
@@ -388,7 +390,8 @@ TEST(Executive, KeepsTheSpeedLimitWhateverItSees) {
       phases.insert(executive.phase());
     }
   }
-  EXPECT_THAT(phases, testing::IsSupersetOf({Phase::kBackingUp, Phase::kTurning, Phase::kLeaving, Phase::kFailed}))
+  EXPECT_THAT(phases, testing::IsSupersetOf(
+                          {Phase::kBackingUp, Phase::kTurning, Phase::kLeaving, Phase::kFailed}))
       << "the sequences reach into the manoeuvres";
 }
 

@@ -68,6 +68,14 @@ TEST_P(WithoutInfrared, FindsItsWayByLaser) {
   ExpectArrival(Drive(TeeField(), {"A", "E"}, setup, GetParam()), 2, 0);
 }
 
+// Without IR the manhole shows only when the laser, at the rear, is in it: then the bend's start
+// lies behind.
+TEST_P(WithoutInfrared, BacksUpBeforeACurve) {
+  PuppetSetup setup;
+  setup.infrared = false;
+  ExpectArrival(Drive(Curve(), {"A", "C"}, setup, GetParam()), 1, 1);
+}
+
 // With nothing to see by, the map's distances count: with a true map they lead to the goal ...
 TEST(LostSensors, BlindItTrustsWheelsAndMap) {
   PuppetSetup setup;
@@ -103,6 +111,11 @@ Puppet DriveUntilBlind(double beyond_m) {
 
 TEST(LostSensors, GoneBlindBeforeTheTeeItTurnsByTheMap) {
   ExpectArrival(DriveUntilBlind(-1.0), 1, 1);
+}
+
+// Two seconds of silence later it knows, 0.16 m on: it must go back to the bend's start.
+TEST(LostSensors, GoneBlindInTheTeeItBacksUpToTheBend) {
+  ExpectArrival(DriveUntilBlind(0.2), 1, 1);
 }
 
 // Hearing nothing is not being deaf before there was time to hear: a run may begin at any time.
