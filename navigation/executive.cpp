@@ -93,8 +93,9 @@ void Executive::SeeTop(const perception::WindowEdge& edge) {
     SeeEndWall(geometry_.laser_x_m, since_m, "laser");
   } else if (localiser_.SeeStartWall(-geometry_.laser_x_m + since_m, parameters_.wall_error_m)) {
     Report(Event::Kind::kLandmark, fmt::format("laser: entered pipe {}", Leg().pipe));
-  } else if (!TurnsHere() && !OnLastLeg() && end_wall_seen_) {
-    // Straight across: the top closes where the next pipe begins.
+  } else if (!TurnsHere() && !OnLastLeg() && end_wall_seen_ &&
+             geometry_.laser_x_m - since_m - localiser_.to_end_m() > Leg().end_shaft_radius_m) {
+    // Straight across: the top closes where the next pipe begins. Short of the middle it has only flickered.
     BeginNextLeg(-geometry_.laser_x_m + since_m, parameters_.wall_error_m);
     Report(Event::Kind::kLandmark, fmt::format("laser: entered pipe {}", Leg().pipe));
   }

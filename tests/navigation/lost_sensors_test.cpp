@@ -161,6 +161,30 @@ std::string WindowOpenFor(double open_m, double& error_m) {
   return story;
 }
 
+// A window that opens and closes again within centimetres is no manhole crossed.
+TEST(LostSensors, TakesNoFlickerOfTheTopForAManholeCrossed) {
+  Puppet puppet(TeeField(), {"A", "E"}, {});
+  Executive executive(MakeRoute(TeeField(), {"A", "E"}, {}), 0.6, Kantaro(), ShippedParameters());
+  bool flickered = false;
+  double largest_m = 0.0;
+  puppet.meddle = [&](perception::Observation& observation, const Puppet& truth) {
+    if (truth.leg() == 1 && truth.distance_m() > 1.0 && truth.distance_m() < 5.0) {
+      ASSERT_EQ(executive.estimate().leg, 1u);
+      largest_m =
+          std::max(largest_m, std::abs(executive.estimate().distance_m - truth.distance_m()));
+    }
+    auto* laser = std::get_if<LaserObservation>(&observation);
+    if (laser == nullptr || flickered || truth.leg() != 0 || truth.beyond_m() < 0.25) return;
+    laser->edges = {{LaserWindow::kTop, false, laser->captured_at},
+                    {LaserWindow::kTop, true, laser->captured_at}};
+    flickered = true;
+  };
+  puppet.Drive(executive);
+  EXPECT_TRUE(flickered);
+  ExpectArrival(puppet, 2, 0);
+  EXPECT_LT(largest_m, 0.05);
+}
+
 // Settled in one revolution, the right window is told before the top one.
 TEST(LostSensors, SeesAJunctionThatOpensTogetherWithTheTop) {
   for (const bool left : {true, false}) {
