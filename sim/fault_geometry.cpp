@@ -202,13 +202,27 @@ struct Station {
 
 Visual Band(const RolledWall& wall, const std::vector<Station>& stations, double off_m,
             const Look& look) {
+  // A wide band laid straight across a round wall would rise off it in the middle, over what lies
+  // on it.
+  constexpr double kStrip_m = 0.006;
+  double widest_m = 0.0;
+  for (const Station& station : stations) {
+    widest_m = std::max(widest_m, (station.left_m - station.right_m).norm());
+  }
+  const auto strips = static_cast<std::uint32_t>(1.0 + widest_m / kStrip_m);
   MeshBuilder builder;
   for (const Station& station : stations) {
-    builder.Add(wall.At(station.right_m, off_m), station.right_m);
-    builder.Add(wall.At(station.left_m, off_m), station.left_m);
+    for (std::uint32_t k = 0; k <= strips; ++k) {
+      const Vector2d uv = station.right_m + (station.left_m - station.right_m) * k / strips;
+      builder.Add(wall.At(uv, off_m), uv);
+    }
   }
-  for (std::uint32_t i = 0; i + 1 < stations.size(); ++i)
-    builder.Quad(2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1);
+  for (std::uint32_t i = 0; i + 1 < stations.size(); ++i) {
+    for (std::uint32_t k = 0; k < strips; ++k) {
+      const std::uint32_t here = i * (strips + 1) + k, next = here + strips + 1;
+      builder.Quad(here, next, next + 1, here + 1);
+    }
+  }
   return builder.Finish(look);
 }
 
@@ -251,8 +265,11 @@ std::vector<Visual> Crack(const RolledWall& wall, const network::Fault& fault,
   const double half_m = fault.length_m / 2.0;
   const std::vector<Vector2d> line = JaggedLine({-half_m, 0.0}, {half_m, 0.0}, 0.4, random);
   const double damp_m = RankScale(fault.rank) * 0.012;
-  std::vector<Vector2d> smooth;  // a wide band folds over itself where the line turns sharply
-  for (std::size_t i = 0; i < line.size(); i += 3) smooth.push_back(line[i]);
+  // A wide band folds over itself where the line turns sharply.
+  std::vector<Vector2d> smooth = line;
+  for (std::size_t i = 2; i + 2 < line.size(); ++i) {
+    smooth[i] = (line[i - 2] + line[i - 1] + line[i] + line[i + 1] + line[i + 2]) / 5.0;
+  }
   visuals.push_back(
       CrackAlong(wall, smooth, fault.width_m + damp_m, false, 0.7 * kPaint_m, random, kDampStain));
   visuals.push_back(CrackAlong(wall, line, fault.width_m, false, kPaint_m, random, kVoidDark));
@@ -445,7 +462,7 @@ std::vector<Visual> BuildFault(const network::PipeAxis& axis, double pipe_radius
       return {Lump(wall, half_m, std::min(half_m.minCoeff() * 1.3, 0.5 * pipe_radius_m), 0.35,
                    random, kStone)};
     case FaultCategory::kAdhesionOfGrease:
-      return {FlatPatch(wall, 1.15 * half_m, 0.4, random, 0.7 * kPaint_m, kDampStain),
+      return {FlatPatch(wall, 1.15 * half_m, 0.15, random, 0.7 * kPaint_m, kDampStain),
               Lump(wall, half_m, 0.10 * scale * pipe_radius_m, 0.7, random, kGrease)};
   }
   return {};
