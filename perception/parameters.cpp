@@ -45,20 +45,19 @@ std::pair<double, double> ReadReach(const YamlNode& node) {
 }
 
 RingParameters ReadRings(const YamlNode& node) {
-  node.AllowOnly({"near_mm", "far_mm", "center_search_px", "groove_mm", "shaft_wider_mm",
-                  "joint_contrast", "mouth_contrast", "min_significance", "support_contrast",
-                  "min_support", "mouth_step_ratio"});
+  node.AllowOnly({"near_mm", "far_mm", "center_search_px", "groove_mm", "joint_contrast",
+                  "mouth_contrast", "min_significance", "support_contrast", "joint_min_support",
+                  "mouth_min_support"});
   RingParameters rings;
   std::tie(rings.near_m, rings.far_m) = ReadReach(node);
   rings.center_search_px = static_cast<int>(node["center_search_px"].Integer(0, 100));
   rings.groove_m = Metres(node["groove_mm"], 0, 1000);
-  rings.shaft_wider_m = Metres(node["shaft_wider_mm"], 0, 10000);
   rings.joint_contrast = node["joint_contrast"].Number(0.001, 10);
   rings.mouth_contrast = node["mouth_contrast"].Number(0.001, 10);
   rings.min_significance = node["min_significance"].Number(0, 1000);
   rings.support_contrast = node["support_contrast"].Number(0, 10);
-  rings.min_support = node["min_support"].Number(0, 1);
-  rings.mouth_step_ratio = node["mouth_step_ratio"].Number(0, 100);
+  rings.joint_min_support = node["joint_min_support"].Number(0, 1);
+  rings.mouth_min_support = node["mouth_min_support"].Number(0, 1);
   return rings;
 }
 

@@ -113,14 +113,13 @@ struct Optics {
   cv::Point2d center_px;
   double ring_px_m{};  ///< radius times distance
   double groove_m{};
-  double bow{};  ///< pipe radius / (2 shaft radius * focal length) [1/px]
 
   [[nodiscard]] double LineWidth(double radius_px) const {
     return groove_m * radius_px * radius_px / ring_px_m;
   }
   /// Distance from a line's middle to the wall beside it.
   [[nodiscard]] int LineFlank(double radius_px) const {
-    return std::clamp(static_cast<int>(std::lround(1.5 + LineWidth(radius_px) / 2)), 2, 6);
+    return std::clamp(static_cast<int>(std::lround(1.5 + LineWidth(radius_px) / 2)), 2, 10);
   }
 };
 
@@ -228,35 +227,27 @@ std::vector<Best> Transform(const Polar& polar, const cv::Mat& contrast, const G
   return best;
 }
 
+/// A circle that the votes speak for.
 struct Candidate {
   double radius_px{};
   cv::Point2d center;
-  double strength{};  ///< contrast over its threshold
-  bool step{};        ///< rather than line
+  double contrast{};
 };
 
 /// Maxima along the radius, from first_px on, that no stronger one is near; the strongest first.
-std::vector<Candidate> Maxima(const std::vector<Best>& line, const std::vector<Best>& step,
-                              int first_px, const Optics& optics,
-                              const RingParameters& parameters) {
+std::vector<Candidate> Maxima(const std::vector<Best>& best, int first_px, double least_contrast,
+                              const Optics& optics) {
   std::vector<Candidate> all;
-  for (std::size_t k = 0; k < line.size(); ++k) {
-    const auto add = [&](const Best& best, double threshold, bool is_step) {
-      const double strength = best.contrast / threshold;
-      if (strength < kCoarseShare) return;
-      all.push_back({first_px + static_cast<double>(k), optics.center_px + cv::Point2d(best.offset),
-                     strength, is_step});
-    };
-    add(line[k], parameters.joint_contrast, false);
-    add(step[k], parameters.mouth_contrast, true);
+  for (std::size_t k = 0; k < best.size(); ++k) {
+    if (best[k].contrast < kCoarseShare * least_contrast) continue;
+    all.push_back({first_px + static_cast<double>(k),
+                   optics.center_px + cv::Point2d(best[k].offset), best[k].contrast});
   }
   std::stable_sort(all.begin(), all.end(),
-                   [](const auto& a, const auto& b) { return a.strength > b.strength; });
+                   [](const auto& a, const auto& b) { return a.contrast > b.contrast; });
   std::vector<Candidate> maxima;
   for (const Candidate& candidate : all) {
-    // The wide stencil of a step also answers to a line within its reach.
-    const double apart_px =
-        std::max(candidate.step ? kReach + 5.0 : 6.0, 0.08 * candidate.radius_px);
+    const double apart_px = std::max(8.0, 0.08 * candidate.radius_px);
     const bool near_stronger = std::any_of(maxima.begin(), maxima.end(), [&](const auto& other) {
       return std::abs(other.radius_px - candidate.radius_px) < apart_px;
     });
@@ -284,7 +275,7 @@ class CloseUp {
 
   /// Mean of a picture over a group's visible directions at radius + k, centre shifted; nothing if
   /// none is visible.
-  /// @pre |k| + |shift| < 33
+  /// @pre |k| + |shift| < 47
   [[nodiscard]] double Mean(const cv::Mat& picture, const std::vector<int>& group, double k,
                             cv::Point2d shift, int* count = nullptr) const {
     double sum = 0;
@@ -349,6 +340,15 @@ class CloseUp {
     return all == 0 ? HUGE_VAL : std::sqrt(squares) / all;
   }
 
+  /// Whether half of each group lies in the image.
+  [[nodiscard]] bool Shows(const Groups& groups, const Fit& fit) const {
+    return std::all_of(groups.begin(), groups.end(), [&](const auto& group) {
+      int count = 0;
+      (void)Mean(polar_.value, group, fit.k, fit.shift, &count);
+      return 2 * static_cast<std::size_t>(count) >= group.size();
+    });
+  }
+
   [[nodiscard]] const cv::Mat& line() const { return contrasts_.line; }
   [[nodiscard]] const cv::Mat& step() const { return contrasts_.step; }
   [[nodiscard]] const cv::Mat& value() const { return polar_.value; }
@@ -356,7 +356,7 @@ class CloseUp {
   [[nodiscard]] int radius_px() const { return radius_px_; }
 
  private:
-  static constexpr int kHalf = 34;  ///< radii to either side
+  static constexpr int kHalf = 48;  ///< radii to either side
 
   static float Sample(const cv::Mat& picture, int t, double k) {
     const int below = static_cast<int>(k);
@@ -391,19 +391,12 @@ Fit Align(const CloseUp& view, const cv::Mat& picture, const Groups& groups, int
       }
     }
   };
-  search({0, 0}, 2.0, 1.0);
+  search({0, 0}, 2.0, 2.0);
+  search(best.shift, 1.0, 1.0);
   search(best.shift, 0.5, 0.5);
   best.k += Vertex(view.Contrast(picture, groups, best.k - 1, best.shift), best.contrast,
                    view.Contrast(picture, groups, best.k + 1, best.shift));
   return best;
-}
-
-/// A pipe meets the round shaft in a saddle: off the crown by the angle φ the wall reaches R² sin²φ
-/// / (2 shaft radius) farther into the shaft. Seen from inside the pipe the edge of a mouth lies so
-/// much nearer to the image's centre, that of the mouth across the manhole so much farther out.
-double Saddle(const Optics& optics, double radius_px, int t, double side) {
-  const double sine = Directions()[t].x;
-  return -side * optics.bow * radius_px * radius_px * sine * sine;
 }
 
 /// The edge of a step in each direction, by the strongest slope of its group's sign.
@@ -411,28 +404,24 @@ struct ArcEdges {
   std::array<double, kDirections> radius_px{}, slope{};  ///< slope 0: none
 };
 
-/// A mouth's edge: its crown and, by the saddle's side, what lies lower.
-struct Arc {
+struct Circle {
   cv::Point2d center;
-  double radius_px{};  ///< of the ring in the plane of the crown's edge
+  double radius_px{};
 };
 
-/// Looks `reach` pixels to either side of where the saddle lies about an arc.
-ArcEdges FindEdges(const cv::Mat& log_brightness, const Optics& optics, const Arc& arc, int reach,
-                   const std::vector<double>& signs, double side) {
-  const int deepest = static_cast<int>(std::ceil(optics.bow * arc.radius_px * arc.radius_px));
-  const int half = reach + deepest + 4, middle = static_cast<int>(std::lround(arc.radius_px));
-  const Polar polar = Unroll(log_brightness, arc.center, middle - half, middle + half);
+/// Looks `reach` pixels to either side of a circle.
+ArcEdges FindEdges(const cv::Mat& log_brightness, const Circle& circle, int reach,
+                   const std::vector<double>& signs) {
+  const int half = reach + 4, middle = static_cast<int>(std::lround(circle.radius_px));
+  const Polar polar = Unroll(log_brightness, circle.center, middle - half, middle + half);
   ArcEdges edges;
   for (std::size_t group = 0; group < signs.size(); ++group) {
     for (const int t : CrownAndShoulders()[group]) {
       const float* value = polar.value.ptr<float>(t);
-      const int about =
-          half + static_cast<int>(std::lround(Saddle(optics, arc.radius_px, t, side)));
       const auto slope = [&](int k) {
         return signs[group] * (value[k + 1] + value[k + 2] - value[k - 1] - value[k - 2]) / 2;
       };
-      for (int k = about - reach; k <= about + reach; ++k) {
+      for (int k = half - reach; k <= half + reach; ++k) {
         if (!polar.Visible(t, k) || slope(k) <= edges.slope[t]) continue;
         edges.slope[t] = slope(k);
         edges.radius_px[t] = middle + k - half + Vertex(slope(k - 1), slope(k), slope(k + 1));
@@ -442,67 +431,58 @@ ArcEdges FindEdges(const cv::Mat& log_brightness, const Optics& optics, const Ar
   return edges;
 }
 
-constexpr double kOutlier_px = 2.5;
-
 /// Fits radius and centre to the edges, others weighted down by their distance, with a weak pull of
-/// the centre to the principal point.
-Arc SolveArc(const ArcEdges& edges, const Optics& optics, Arc arc, double side) {
-  constexpr double kPull_px = 20.0;
-  const double first_px = arc.radius_px;
-  const cv::Point2d first = arc.center, home = optics.center_px - arc.center;
+/// the centre to `home`.
+Circle SolveArc(const ArcEdges& edges, const Circle& start, cv::Point2d home) {
+  constexpr double kPull_px = 20.0, kOutlier_px = 2.5;
+  Eigen::Vector3d solved(start.radius_px, 0, 0);
   for (int pass = 0; pass < 6; ++pass) {
-    const Eigen::Vector3d now(arc.radius_px, arc.center.x - first.x, arc.center.y - first.y);
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     for (int t = 0; t < kDirections; ++t) {
       if (edges.slope[t] <= 0) continue;
       const Eigen::Vector3d row(1, Directions()[t].x, Directions()[t].y);
-      const double flat_px = edges.radius_px[t] - Saddle(optics, first_px, t, side);
-      const double off = (flat_px - row.dot(now)) / kOutlier_px;
+      const double off = (edges.radius_px[t] - row.dot(solved)) / kOutlier_px;
       const double weight = std::min(edges.slope[t], 0.5) / (1 + off * off);
       normal += weight * row * row.transpose();
-      right += weight * flat_px * row;
+      right += weight * edges.radius_px[t] * row;
     }
     const double pull = normal(0, 0) / 69 / (kPull_px * kPull_px);  // one direction's worth
     normal(1, 1) += pull;
     normal(2, 2) += pull;
-    right += pull * Eigen::Vector3d(0, home.x, home.y);
-    if (!(normal(0, 0) > 0)) return arc;
-    const Eigen::Vector3d solved = normal.ldlt().solve(right);
-    arc.radius_px = solved[0];
-    arc.center = first + cv::Point2d(solved[1], solved[2]);
+    right += pull * Eigen::Vector3d(0, home.x - start.center.x, home.y - start.center.y);
+    if (!(normal(0, 0) > 0)) return start;
+    solved = normal.ldlt().solve(right);
   }
-  return arc;
+  return {start.center + cv::Point2d(solved[1], solved[2]), solved[0]};
 }
 
-/// Fits a mouth's edge, seen from the pipe that ends (side 1) or from across the manhole (−1). An
-/// arc leaves radius and height of the centre nearly free where the step is as broad as the votes
-/// see it: slopes of two pixels pin them, and a robust fit passes over other edges. Nothing if the
-/// fit runs away.
-std::optional<Arc> FitArc(const cv::Mat& log_brightness, const Optics& optics, Arc arc,
-                          const std::vector<double>& signs, double side) {
-  const Arc start = arc;
-  for (const int reach : {14, 8, 5, 4}) {
-    const ArcEdges edges = FindEdges(log_brightness, optics, arc, reach, signs, side);
-    arc = SolveArc(edges, optics, arc, side);
-    if (!(std::abs(arc.radius_px - start.radius_px) < 0.15 * start.radius_px + 10 &&
-          cv::norm(arc.center - start.center) < 0.15 * start.radius_px + 10)) {
+/// Fits a mouth's edge. An arc leaves radius and height of the centre nearly free where the step is
+/// as broad as the votes see it: slopes of two pixels pin them, and a robust fit passes over other
+/// edges. Nothing if the fit runs away.
+std::optional<Circle> FitArc(const cv::Mat& log_brightness, const Optics& optics,
+                             const Circle& start, const std::vector<double>& signs) {
+  Circle circle = start;
+  for (const int reach : {12, 8, 5, 4}) {
+    circle = SolveArc(FindEdges(log_brightness, circle, reach, signs), circle, optics.center_px);
+    if (!(std::abs(circle.radius_px - start.radius_px) < 0.1 * start.radius_px + 10 &&
+          cv::norm(circle.center - start.center) < 0.1 * start.radius_px + 10)) {
       return std::nullopt;
     }
   }
-  return arc;
+  return circle;
 }
 
-/// Sum of squares that a + b k + c shape(k) leaves of one group's mean profile about a fit.
+/// Sum of squares that a + b k + c shape(k − fit.k) leaves of one group's mean profile about a
+/// fit's centre.
 template <typename Shape>
-double Residual(const CloseUp& view, const std::vector<int>& group, const Fit& fit, int half,
-                Shape shape) {
-  Eigen::MatrixX3d terms(2 * half + 1, 3);
-  Eigen::VectorXd profile(2 * half + 1);
-  const int middle = static_cast<int>(std::lround(fit.k));
-  for (int i = -half; i <= half; ++i) {
-    profile[i + half] = view.Mean(view.value(), group, middle + i, fit.shift);
-    terms.row(i + half) << 1.0, i, shape(middle + i - fit.k);
+double Residual(const CloseUp& view, const std::vector<int>& group, const Fit& fit, int from,
+                int to, Shape shape) {
+  Eigen::MatrixX3d terms(to - from + 1, 3);
+  Eigen::VectorXd profile(to - from + 1);
+  for (int k = from; k <= to; ++k) {
+    profile[k - from] = view.Mean(view.value(), group, k, fit.shift);
+    terms.row(k - from) << 1.0, k, shape(k - fit.k);
   }
   const Eigen::Vector3d solved = terms.colPivHouseholderQr().solve(profile);
   return (profile - terms * solved).squaredNorm();
@@ -510,108 +490,79 @@ double Residual(const CloseUp& view, const std::vector<int>& group, const Fit& f
 
 /// Whether the upper sectors show a step (the wall ends) rather than a line that crosses the wall.
 bool LooksLikeStep(const CloseUp& view, const Fit& line, const Fit& step, double line_width_px) {
-  const int half = std::clamp(static_cast<int>(0.1 * view.radius_px() + 4), 8, 12);
+  const int from = static_cast<int>(std::floor(std::min(line.k, step.k))) - 8;
+  const int to = static_cast<int>(std::ceil(std::max(line.k, step.k))) + 8;
   double as_line = 0, as_step = 0;
   for (const auto& group : CrownAndShoulders()) {
     double least = HUGE_VAL;
     for (const double width_px : {1.0, 0.5 * line_width_px, line_width_px, 1.5 * line_width_px}) {
-      least = std::min(least, Residual(view, group, line, half, [width_px](double k) {
+      least = std::min(least, Residual(view, group, line, from, to, [width_px](double k) {
                          return std::clamp(0.5 + (width_px / 2 - std::abs(k)) / 1.5, 0.0, 1.0);
                        }));
     }
     as_line += least;
-    as_step +=
-        Residual(view, group, step, half, [](double k) { return std::clamp(k / 1.5, -1.0, 1.0); });
+    as_step += Residual(view, group, step, from, to,
+                        [](double k) { return std::clamp(k / 1.5, -1.0, 1.0); });
   }
   return as_step < as_line;
 }
 
-/// A ring as first judged.
-struct Found {
-  RingKind kind{RingKind::kJoint};
-  Arc circle;
-  double support{};
-  double strength{};          ///< contrast over the threshold of its kind
-  std::vector<double> signs;  ///< of a mouth's step: crown, right and left shoulder
-};
-
-Found Describe(RingKind kind, const CloseUp& view, const Fit& fit,
-               const RingParameters& parameters) {
-  const bool joint = kind == RingKind::kJoint;
-  const cv::Mat& picture = joint ? view.line() : view.step();
-  const Groups& groups = joint ? AllRound() : CrownAndShoulders();
-  Found found{kind,
-              {view.center() + fit.shift, view.radius_px() + fit.k},
-              view.Support(picture, groups, fit, parameters.support_contrast),
-              fit.contrast / (joint ? parameters.joint_contrast : parameters.mouth_contrast),
-              {}};
-  for (const auto& group : groups) {
-    found.signs.push_back(std::copysign(1.0, view.Mean(picture, group, fit.k, fit.shift)));
-  }
-  return found;
+Circle About(const CloseUp& view, const Fit& fit) {
+  return {view.center() + fit.shift, view.radius_px() + fit.k};
 }
 
-std::optional<Found> Judge(const cv::Mat& log_brightness, const Optics& optics,
-                           const Candidate& candidate, const RingParameters& parameters) {
-  const CloseUp view(log_brightness, optics, candidate.center, candidate.radius_px);
-  // Saturated votes leave the candidate anywhere on the line.
-  const int reach = 2 + optics.LineFlank(candidate.radius_px);
-  const Fit line = Align(view, view.line(), AllRound(), reach);
-  const Fit step = Align(view, view.step(), CrownAndShoulders(), reach);
-  const auto exceeds = [&](const Fit& fit, const cv::Mat& picture, const Groups& groups,
-                           double threshold) {
-    return fit.contrast >= threshold &&
-           fit.contrast >= parameters.min_significance * view.StandardError(picture, groups, fit);
-  };
-  const bool may_be_joint = exceeds(line, view.line(), AllRound(), parameters.joint_contrast);
-  const bool may_be_mouth =
-      exceeds(step, view.step(), CrownAndShoulders(), parameters.mouth_contrast) &&
-      step.contrast >= parameters.mouth_step_ratio * line.contrast;
-  if (may_be_mouth &&
-      (!may_be_joint || LooksLikeStep(view, line, step, optics.LineWidth(view.radius_px())))) {
-    return Describe(RingKind::kManholeMouth, view, step, parameters);
-  }
-  if (!may_be_joint) return std::nullopt;
-  return Describe(RingKind::kJoint, view, line, parameters);
+/// Whether another ring is so near that this one may be its echo.
+bool Echoes(const std::vector<RingSighting>& rings, double radius_px, double apart_px) {
+  return std::any_of(rings.begin(), rings.end(), [&](const auto& ring) {
+    return std::abs(ring.radius_px - radius_px) < std::max(apart_px, 0.08 * radius_px);
+  });
 }
 
-/// Drops the weakly supported, and what is too near a stronger ring to be more than its echo.
-/// Nearest first.
-std::vector<Found> Distinct(std::vector<Found> all, const RingParameters& parameters) {
-  std::stable_sort(all.begin(), all.end(),
-                   [](const auto& a, const auto& b) { return a.strength > b.strength; });
-  std::vector<Found> rings;
-  for (const Found& found : all) {
-    const double apart_px = std::max(found.kind == RingKind::kManholeMouth ? 2.0 * kReach : 6.0,
-                                     0.08 * found.circle.radius_px);
-    const bool echo = std::any_of(rings.begin(), rings.end(), [&](const auto& stronger) {
-      return std::abs(stronger.circle.radius_px - found.circle.radius_px) < apart_px;
-    });
-    if (!echo && found.support >= parameters.min_support) rings.push_back(found);
-  }
-  std::sort(rings.begin(), rings.end(),
-            [](const auto& a, const auto& b) { return a.circle.radius_px > b.circle.radius_px; });
-  return rings;
+RingSighting Sighting(RingKind kind, const Circle& circle, double support, const Optics& optics) {
+  return {kind,
+          optics.ring_px_m / circle.radius_px,
+          circle.radius_px,
+          support,
+          circle.center.x,
+          circle.center.y};
 }
 
-/// Gives rings their distance. The nearest mouth is the end of this pipe, those behind it are seen
-/// across a manhole.
-std::vector<RingSighting> Locate(const std::vector<Found>& rings, const cv::Mat& log_brightness,
-                                 const Optics& optics) {
-  std::vector<RingSighting> sightings;
-  double side = 1.0;
-  for (const Found& found : rings) {
-    std::optional<Arc> circle = found.circle;
-    if (found.kind == RingKind::kManholeMouth) {
-      circle = FitArc(log_brightness, optics, found.circle, found.signs, std::exchange(side, -1.0));
-    }
-    if (!circle) continue;
-    sightings.push_back({found.kind, optics.ring_px_m / circle->radius_px, circle->radius_px,
-                         found.support, circle->center.x, circle->center.y});
+std::optional<RingSighting> JudgeJoint(const CloseUp& view, const Optics& optics,
+                                       const RingParameters& parameters) {
+  const Fit line = Align(view, view.line(), AllRound(), 2 + optics.LineFlank(view.radius_px()));
+  if (line.contrast < parameters.joint_contrast ||
+      line.contrast <
+          parameters.min_significance * view.StandardError(view.line(), AllRound(), line)) {
+    return std::nullopt;
   }
-  std::sort(sightings.begin(), sightings.end(),
-            [](const auto& a, const auto& b) { return a.distance_m < b.distance_m; });
-  return sightings;
+  const double support = view.Support(view.line(), AllRound(), line, parameters.support_contrast);
+  if (support < parameters.joint_min_support) return std::nullopt;
+  const Fit step = Align(view, view.step(), CrownAndShoulders(), 6);
+  if (step.contrast >= parameters.mouth_contrast &&
+      LooksLikeStep(view, line, step, optics.LineWidth(view.radius_px()))) {
+    return std::nullopt;
+  }
+  return Sighting(RingKind::kJoint, About(view, line), support, optics);
+}
+
+std::optional<RingSighting> JudgeMouth(const cv::Mat& log_brightness, const CloseUp& view,
+                                       const Optics& optics, const RingParameters& parameters) {
+  const Fit step = Align(view, view.step(), CrownAndShoulders(), 6);
+  if (!view.Shows(CrownAndShoulders(), step) || step.contrast < parameters.mouth_contrast ||
+      step.contrast < parameters.min_significance *
+                          view.StandardError(view.step(), CrownAndShoulders(), step)) {
+    return std::nullopt;
+  }
+  const double support =
+      view.Support(view.step(), CrownAndShoulders(), step, parameters.support_contrast);
+  if (support < parameters.mouth_min_support) return std::nullopt;
+  std::vector<double> signs;
+  for (const auto& group : CrownAndShoulders()) {
+    signs.push_back(std::copysign(1.0, view.Mean(view.step(), group, step.k, step.shift)));
+  }
+  const auto circle = FitArc(log_brightness, optics, About(view, step), signs);
+  if (!circle) return std::nullopt;
+  return Sighting(RingKind::kManholeMouth, *circle, support, optics);
 }
 
 }  // namespace
@@ -627,11 +578,9 @@ std::vector<RingSighting> FindRings(const cv::Mat& brightness, const robot::Came
   if (!(pipe_radius_m > 0)) {
     throw std::invalid_argument("ring finder: the pipe's radius must be above 0");
   }
-  const Optics optics{
-      {camera.center_x_px, camera.center_y_px},
-      camera.focal_px * pipe_radius_m,
-      parameters.groove_m,
-      pipe_radius_m / ((2 * pipe_radius_m + parameters.shaft_wider_m) * camera.focal_px)};
+  const Optics optics{{camera.center_x_px, camera.center_y_px},
+                      camera.focal_px * pipe_radius_m,
+                      parameters.groove_m};
   const int smallest =
       std::max(8, static_cast<int>(std::floor(optics.ring_px_m / parameters.far_m)));
   const int largest = std::min(static_cast<int>(std::ceil(optics.ring_px_m / parameters.near_m)),
@@ -649,11 +598,23 @@ std::vector<RingSighting> FindRings(const cv::Mat& brightness, const robot::Came
   const std::vector<Best> line = transform(contrasts.line, AllRound());
   const std::vector<Best> step = transform(contrasts.step, CrownAndShoulders());
 
-  std::vector<Found> found;
-  for (const Candidate& candidate : Maxima(line, step, smallest, optics, parameters)) {
-    if (auto ring = Judge(log_brightness, optics, candidate, parameters)) found.push_back(*ring);
+  // Joints first: the step's stencil answers to a line as well, the line's hardly to a step.
+  std::vector<RingSighting> rings;
+  for (const Candidate& candidate : Maxima(line, smallest, parameters.joint_contrast, optics)) {
+    const CloseUp view(log_brightness, optics, candidate.center, candidate.radius_px);
+    const auto joint = JudgeJoint(view, optics, parameters);
+    if (joint && !Echoes(rings, joint->radius_px, 6)) rings.push_back(*joint);
   }
-  return Locate(Distinct(std::move(found), parameters), log_brightness, optics);
+  for (const Candidate& candidate : Maxima(step, smallest, parameters.mouth_contrast, optics)) {
+    const double reach_px = 2 * kReach + optics.LineWidth(candidate.radius_px) / 2;
+    if (Echoes(rings, candidate.radius_px, reach_px)) continue;
+    const CloseUp view(log_brightness, optics, candidate.center, candidate.radius_px);
+    const auto mouth = JudgeMouth(log_brightness, view, optics, parameters);
+    if (mouth && !Echoes(rings, mouth->radius_px, 6)) rings.push_back(*mouth);
+  }
+  std::sort(rings.begin(), rings.end(),
+            [](const auto& a, const auto& b) { return a.distance_m < b.distance_m; });
+  return rings;
 }
 
 }  // namespace kantaro::perception

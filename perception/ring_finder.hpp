@@ -12,15 +12,13 @@ namespace kantaro::perception {
 struct RingParameters {
   double near_m{0.30}, far_m{1.60};  ///< rings are looked for between these distances
   int center_search_px{28};  ///< how far a ring's centre may lie from the principal point, per axis
-  double groove_m{0.008};    ///< width of a joint, for the scale of its line in the image
-  double shaft_wider_m{0.500};    ///< shaft's diameter minus the pipe's: shapes a mouth's edge
-  double joint_contrast{0.05};    ///< least mean contrast of the line all round
-  double mouth_contrast{0.10};    ///< least mean contrast of the step in the upper sector
-  double min_significance{6.0};   ///< least contrast over its standard error; noise reaches 5
-  double support_contrast{0.03};  ///< a direction with more than this lies on the ring
-  double min_support{0.6};        ///< least share of directions on the ring
-  double mouth_step_ratio{
-      1.5};  ///< a mouth's step exceeds this many times the contrast of its line
+  double groove_m{0.016};    ///< width of a joint's line, the gap and the dirt about it
+  double joint_contrast{0.05};     ///< least mean contrast of the line all round
+  double mouth_contrast{0.10};     ///< least mean contrast of the step in the upper sector
+  double min_significance{6.0};    ///< least contrast over its standard error; noise reaches 5
+  double support_contrast{0.03};   ///< a direction with more than this lies on the ring
+  double joint_min_support{0.65};  ///< least share of a joint's directions on the ring
+  double mouth_min_support{0.80};  ///< least share of a mouth's, crown and shoulders
 };
 
 /// Finds joints and manhole mouths ahead (thesis 4.3: the circle's radius gives the distance).

@@ -51,18 +51,15 @@ double WallBrightness(const PipeView& view, const Vector3d& p, const Vector3d& e
   return brightness;
 }
 
-/// Inside the manhole beyond the mouth: a channel with upright sides up to the crown, the round
-/// shaft above it.
+/// Inside the manhole beyond the mouth: from pipe to pipe a channel with upright sides up to the
+/// crown, above it the round shaft.
 bool InManhole(const PipeView& view, double from_mouth_m, const Vector3d& p) {
   const double r = view.radius_m;
   if (from_mouth_m < 0) return false;
-  if (std::hypot(p.x(), from_mouth_m - kShaftRadius_m) > kShaftRadius_m) {
-    return std::hypot(p.x(), p.y()) <
-           r;  // the pipes before and after, which reach into the round shaft
-  }
-  if (p.y() > 0) return std::hypot(p.x(), p.y()) < r;
+  if (from_mouth_m > 2 * kShaftRadius_m || p.y() > 0) return std::hypot(p.x(), p.y()) < r;
   if (p.y() > -r) return std::abs(p.x()) < r;
-  return p.y() > -kShaftHeight_m;
+  return p.y() > -kShaftHeight_m &&
+         std::hypot(p.x(), from_mouth_m - kShaftRadius_m) < kShaftRadius_m;
 }
 
 /// Marches on from the mouth. The brightness of what is met: lit as the surface of the void, by its
