@@ -106,7 +106,7 @@ void Executive::SeeSide(const perception::WindowEdge& edge) {
   const bool left = edge.window == LaserWindow::kLeft;
   auto& opened = left ? side_opened_left_ : side_opened_right_;
   if (edge.open) {
-    opened = edge.at;
+    opened = WheelTravelAt(edge.at);
     // Before the end wall was passed an open top is that of the manhole where the leg began.
     if (top_open_ && end_wall_seen_) {
       Report(Event::Kind::kLandmark, fmt::format("laser: junction to the {}", left ? "left" : "right"));
@@ -114,7 +114,7 @@ void Executive::SeeSide(const perception::WindowEdge& edge) {
     }
   } else if (opened) {
     // The middle of the opening passed the laser halfway between its edges.
-    const double width_m = TravelSince(*opened) - since_m;
+    const double width_m = localiser_.scale() * (WheelTravelAt(edge.at) - *opened);
     if (!top_open_ && width_m < kLongestInlet_m) SeeInlet(left, since_m + 0.5 * width_m);
     opened.reset();
   }
@@ -154,7 +154,7 @@ void Executive::See(const perception::RingObservation& rings) {
   if (!rings.rings.empty() || !camera_heard_) camera_heard_ = rings.captured_at;
   if (phase_ != Phase::kDriving || travel_.empty()) return;
   const double since_m = TravelSince(rings.captured_at);
-  for (const ScaleSighting& scale : rings_.Follow(rings.rings, travel_.back().second - since_m)) {
+  for (const ScaleSighting& scale : rings_.Follow(rings.rings, WheelTravelAt(rings.captured_at))) {
     localiser_.SeeScale(scale.scale, scale.deviation);
   }
   for (const perception::RingSighting& ring : rings.rings) {
@@ -190,11 +190,14 @@ double Executive::TurnStart_m() const {
   return localiser_.length_m() + Leg().StraightBeforeTurn_m() - geometry_.front_axle_x_m - parameters_.turn_lead_m;
 }
 
-double Executive::TravelSince(RunTime time) const {
+double Executive::WheelTravelAt(RunTime time) const {
   if (travel_.empty()) return 0.0;
   const auto after = std::find_if(travel_.begin(), travel_.end(), [&](const auto& entry) { return entry.first >= time; });
-  if (after == travel_.end()) return 0.0;
-  return localiser_.scale() * (travel_.back().second - after->second);
+  return after == travel_.end() ? travel_.back().second : after->second;
+}
+
+double Executive::TravelSince(RunTime time) const {
+  return travel_.empty() ? 0.0 : localiser_.scale() * (travel_.back().second - WheelTravelAt(time));
 }
 
 bool Executive::Silent(const std::optional<RunTime>& heard) const {

@@ -100,6 +100,8 @@ class Executive {
   [[nodiscard]] bool IsJunction() const;
   /// Distance to drive, in the leg's coordinate, to where steering into the turn begins.
   [[nodiscard]] double TurnStart_m() const;
+  /// Within the memory of `travel_`; the oldest before that.
+  [[nodiscard]] double WheelTravelAt(robot::RunTime time) const;
   /// Wheel travel since an earlier time, times the learned scale.
   [[nodiscard]] double TravelSince(robot::RunTime time) const;
   [[nodiscard]] bool Silent(const std::optional<robot::RunTime>& heard) const;
@@ -117,13 +119,13 @@ class Executive {
   Phase phase_{Phase::kDriving};
   robot::RunTime now_{};
   std::optional<robot::RunTime> laser_heard_, infrared_heard_, camera_heard_;
-  std::deque<std::pair<robot::RunTime, double>> travel_;   ///< of the last second: (time, wheel travel)
+  std::deque<std::pair<robot::RunTime, double>> travel_;   ///< of the last two seconds: (time, wheel travel)
   std::optional<perception::AttitudeObservation> attitude_;
 
   bool end_wall_seen_{};        ///< by laser or IR, on this leg
   bool junction_seen_{};        ///< on the side of the turn
   bool top_open_{};             ///< to the laser, settled
-  std::optional<robot::RunTime> side_opened_left_, side_opened_right_;
+  std::optional<double> side_opened_left_, side_opened_right_;   ///< wheel travel where the window opened
   bool infrared_up_{};
   double heading_rad_{};        ///< turned since the last manoeuvre began or, driving, since the manhole was entered
   double turn_began_m_{};       ///< distance at which the turn began

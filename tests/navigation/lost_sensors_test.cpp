@@ -161,6 +161,21 @@ std::string WindowOpenFor(double open_m, double& error_m) {
   return story;
 }
 
+// A house connection of 150 mm passed so slowly that its window is open for 7 s is an inlet like
+// any other.
+TEST(LostSensors, PlacesAnInletThatItPassesSlowly) {
+  double error_m = 1.0;
+  EXPECT_EQ(WindowOpenFor(0.15, error_m), "laser: inlet on the left");
+  EXPECT_NEAR(error_m, 0.0, 0.01);
+}
+
+// A window open for 60 cm belongs to no house connection.
+TEST(LostSensors, TakesNoLongOpeningForAnInlet) {
+  double error_m = 1.0;
+  EXPECT_EQ(WindowOpenFor(0.6, error_m), "");
+  EXPECT_NEAR(error_m, 0.0, 1e-9);
+}
+
 // A window that opens and closes again within centimetres is no manhole crossed.
 TEST(LostSensors, TakesNoFlickerOfTheTopForAManholeCrossed) {
   Puppet puppet(TeeField(), {"A", "E"}, {});
