@@ -260,9 +260,9 @@ std::string DrawFramePins(const PlanView& view, const MissionTrace& trace) {
                          [](const TruthSample& s, double time_s) { return s.time_s < time_s; });
     if (sample == trace.truth.end()) continue;
     const Eigen::Vector2d p = view(Eigen::Vector3d(sample->X_WB.translation()));
-    if ((p - last).norm() < 17.0) continue;  // would cover the one before
+    if ((p - last).norm() < 18.0) continue;  // would cover the one before
     last = p;
-    svg += Circle("pin", p.x(), p.y(), 7.5) +
+    svg += Circle("pin", p.x(), p.y(), 8.5) +
            Label("pin-number", p.x(), p.y() + 3.4, "middle", std::to_string(i + 1));
   }
   return svg;
@@ -349,7 +349,7 @@ std::vector<std::optional<std::size_t>> MarkRows(const MissionTrace& trace, cons
   for (const LandmarkFrame& frame : trace.frames) {
     const double x = axis(frame.time_s);
     const auto row =
-        std::find_if(row_end.begin(), row_end.end(), [&](double end) { return x - end > 17.0; });
+        std::find_if(row_end.begin(), row_end.end(), [&](double end) { return x - end > 18.0; });
     if (row == row_end.end()) {
       rows.emplace_back();
     } else {
@@ -360,7 +360,7 @@ std::vector<std::optional<std::size_t>> MarkRows(const MissionTrace& trace, cons
   return rows;
 }
 
-constexpr double kMarkRow_px = 18.0;
+constexpr double kMarkRow_px = 19.0;
 
 std::string DrawFrameMarks(const MissionTrace& trace,
                            const std::vector<std::optional<std::size_t>>& rows,
@@ -372,7 +372,7 @@ std::string DrawFrameMarks(const MissionTrace& trace,
     if (!rows[i]) continue;
     const double y = top_px - 10.0 - kMarkRow_px * static_cast<double>(*rows[i]);
     svg +=
-        Circle("pin", x, y, 7.5) + Label("pin-number", x, y + 3.4, "middle", std::to_string(i + 1));
+        Circle("pin", x, y, 8.5) + Label("pin-number", x, y + 3.4, "middle", std::to_string(i + 1));
   }
   return svg;
 }

@@ -136,7 +136,7 @@ std::string FrameSection(const MissionTrace& trace) {
   for (std::size_t i = 0; i < trace.frames.size(); ++i) {
     const LandmarkFrame& frame = trace.frames[i];
     figures += fmt::format(
-        "<figure>{}<figcaption><b>{}</b><span>{} <i>{:.1f} s</i></span></figcaption></figure>",
+        "<figure>{}<figcaption><b>{}</b><span>{} <i>{:.1f}&nbsp;s</i></span></figcaption></figure>",
         Picture(frame.jpeg, frame.caption), i + 1, Escape(Capital(frame.caption)), frame.time_s);
   }
   return R"(<section class="strip-section"><h2>What it saw</h2><p class="note">The front camera when the robot noticed a landmark.</p><div class="strip">)" +
