@@ -490,8 +490,10 @@ double Residual(const CloseUp& view, const std::vector<int>& group, const Fit& f
 
 /// Whether the upper sectors show a step (the wall ends) rather than a line that crosses the wall.
 bool LooksLikeStep(const CloseUp& view, const Fit& line, const Fit& step, double line_width_px) {
-  const int from = static_cast<int>(std::floor(std::min(line.k, step.k))) - 8;
-  const int to = static_cast<int>(std::ceil(std::max(line.k, step.k))) + 8;
+  // Both must have wall beside the line to explain.
+  const int margin = 7 + std::min(static_cast<int>(line_width_px), 15);
+  const int from = static_cast<int>(std::floor(std::min(line.k, step.k))) - margin;
+  const int to = static_cast<int>(std::ceil(std::max(line.k, step.k))) + margin;
   double as_line = 0, as_step = 0;
   for (const auto& group : CrownAndShoulders()) {
     double least = HUGE_VAL;
