@@ -159,9 +159,11 @@ void Executive::See(const perception::RingObservation& rings) {
   }
   for (const perception::RingSighting& ring : rings.rings) {
     const double ahead_m = geometry_.camera_x_m + ring.distance_m - since_m;
+    // The images of one ring err alike: many of them tell no more than one does, or a wall that laser and IR touch would
+    // no longer be believed against the camera.
     const double error_m = parameters_.ring_error_m * std::max(1.0, ring.distance_m * ring.distance_m);
     if (ring.kind == perception::RingKind::kManholeMouth) {
-      if (!end_wall_seen_) localiser_.SeeEndWall(ahead_m, error_m);
+      if (!end_wall_seen_ && localiser_.to_end_deviation_m() > error_m) localiser_.SeeEndWall(ahead_m, error_m);
       continue;
     }
     // The joint that the map has nearest to where the ring is.
@@ -176,7 +178,9 @@ void Executive::See(const perception::RingObservation& rings) {
         nearest = &landmark;
       }
     }
-    if (nearest != nullptr) localiser_.SeeLandmark(nearest->distance_m, ahead_m, error_m);
+    if (nearest != nullptr && localiser_.to_landmark_deviation_m(nearest->distance_m) > error_m) {
+      localiser_.SeeLandmark(nearest->distance_m, ahead_m, error_m);
+    }
   }
 }
 

@@ -1,5 +1,6 @@
 #include "navigation/localiser.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -64,6 +65,9 @@ void Localiser::SeeScale(double scale, double deviation) { Update({0.0, 0.0, 1.0
 
 double Localiser::deviation_m() const { return std::sqrt(P_(0, 0)); }
 
-double Localiser::to_end_deviation_m() const { return std::sqrt(P_(0, 0) + P_(1, 1) - 2.0 * P_(0, 1)); }
+double Localiser::to_landmark_deviation_m(double mapped_m) const {
+  const double share = mapped_m / mapped_length_m_;
+  return std::sqrt(std::max(0.0, P_(0, 0) + share * share * P_(1, 1) - 2.0 * share * P_(0, 1)));
+}
 
 }  // namespace kantaro::navigation

@@ -36,7 +36,9 @@ class Localiser {
   [[nodiscard]] double scale() const { return x_(2); }
   [[nodiscard]] double deviation_m() const;           ///< of the distance
   [[nodiscard]] double to_end_m() const { return x_(1) - x_(0); }
-  [[nodiscard]] double to_end_deviation_m() const;
+  [[nodiscard]] double to_end_deviation_m() const { return to_landmark_deviation_m(mapped_length_m_); }
+  /// Of the way to a landmark that the map has at `mapped_m` of the leg.
+  [[nodiscard]] double to_landmark_deviation_m(double mapped_m) const;
 
  private:
   bool Update(const Eigen::RowVector3d& h, double measured, double deviation, double gate_deviations);

@@ -31,35 +31,27 @@ constexpr double kTurnBegins_m = 0.136 - 0.08 - 0.06;
 // where the inner wall of its channel, of radius ρ − D/2 = 0.114 m about
 // (0.136, 0.264), is 0.175 m from the axis, at 0.136 + √(0.114² − 0.089²).
 // Three revolutions settle it.
-const double kBranchSeen_m =
-    0.136 + std::sqrt(0.114 * 0.114 - 0.089 * 0.089) + 0.17;
+const double kBranchSeen_m = 0.136 + std::sqrt(0.114 * 0.114 - 0.089 * 0.089) + 0.17;
 
-RunTime At(double time_s) {
-  return RunTime(static_cast<RunTime::rep>(time_s * 1e9));
-}
+RunTime At(double time_s) { return RunTime(static_cast<RunTime::rep>(time_s * 1e9)); }
 
-Executive Robot(const network::Network &network,
-                const std::vector<std::string> &manholes,
+Executive Robot(const network::Network& network, const std::vector<std::string>& manholes,
                 double map_factor = 1.0, double start_distance_m = 0.6) {
   std::map<std::string, double> factors;
-  for (const network::Pipe &pipe : network.pipes)
-    factors[pipe.name] = map_factor;
-  return {MakeRoute(network, manholes, factors), start_distance_m, Kantaro(),
-          ShippedParameters()};
+  for (const network::Pipe& pipe : network.pipes) factors[pipe.name] = map_factor;
+  return {MakeRoute(network, manholes, factors), start_distance_m, Kantaro(), ShippedParameters()};
 }
 
 /// Drives a route with a true map; the puppet tells what came of it.
-Puppet Drive(const network::Network &network,
-             const std::vector<std::string> &manholes,
-             const PuppetSetup &setup = {}, double map_factor = 1.0) {
+Puppet Drive(const network::Network& network, const std::vector<std::string>& manholes,
+             const PuppetSetup& setup = {}, double map_factor = 1.0) {
   Puppet puppet(network, manholes, setup);
-  Executive executive =
-      Robot(network, manholes, map_factor, setup.start_distance_m);
+  Executive executive = Robot(network, manholes, map_factor, setup.start_distance_m);
   puppet.Drive(executive);
   return puppet;
 }
 
-void ExpectArrival(const Puppet &puppet, std::size_t last_leg) {
+void ExpectArrival(const Puppet& puppet, std::size_t last_leg) {
   EXPECT_FALSE(puppet.crashed()) << puppet.story();
   ASSERT_TRUE(puppet.Was(Phase::kArrived)) << puppet.story();
   EXPECT_EQ(puppet.leg(), last_leg);
@@ -70,9 +62,8 @@ void ExpectArrival(const Puppet &puppet, std::size_t last_leg) {
 }
 
 TEST(Executive, NeedsALeg) {
-  EXPECT_THROW(
-      Executive(MapRoute{"A", {}}, 0.6, Kantaro(), ShippedParameters()),
-      std::invalid_argument);
+  EXPECT_THROW(Executive(MapRoute{"A", {}}, 0.6, Kantaro(), ShippedParameters()),
+               std::invalid_argument);
 }
 
 TEST(Executive, ArrivesWhenTheLaserStandsInTheGoalsShaft) {
@@ -103,9 +94,8 @@ TEST(Executive, BacksUpByWhatTheGeometryGives) {
 TEST(Executive, TurnsAtATeeOnlyAfterTheLasersJunction) {
   const std::string story = Drive(TeeField(), {"A", "C"}).story();
   const auto manhole = story.find("laser: manhole M"),
-             junction = story.find("laser: junction to the left"),
-             back = story.find("back up"), turn = story.find("turn into"),
-             pipe = story.find("turned by");
+             junction = story.find("laser: junction to the left"), back = story.find("back up"),
+             turn = story.find("turn into"), pipe = story.find("turned by");
   ASSERT_NE(pipe, std::string::npos) << story;
   EXPECT_LT(manhole, junction);
   EXPECT_LT(junction, back);
@@ -163,13 +153,11 @@ TEST_P(MapOff, PassesTheTeeStraight) {
   ExpectArrival(Drive(TeeField(), {"A", "E"}, {}, GetParam()), 2);
 }
 
-TEST_P(MapOff, FollowsTheCurve) {
-  ExpectArrival(Drive(Curve(), {"A", "C"}, {}, GetParam()), 1);
-}
+TEST_P(MapOff, FollowsTheCurve) { ExpectArrival(Drive(Curve(), {"A", "C"}, {}, GetParam()), 1); }
 
 TEST_P(MapOff, DrivesThroughWithSlippingWheelsAndCamera) {
   network::Network network = TeeField();
-  for (network::Pipe &pipe : network.pipes) {
+  for (network::Pipe& pipe : network.pipes) {
     for (const double chainage_m : {1.5, 3.3, 5.1, 6.9})
       pipe.joints.push_back({chainage_m, 0.008, 0.006});
   }
@@ -196,10 +184,10 @@ TEST(Executive, CountsAWallSeenByEverySensorOnce) {
   Puppet puppet(network, {"A", "E"}, setup);
   Executive executive = Robot(network, {"A", "E"});
   double largest_m = 0.0;
-  puppet.meddle = [&](perception::Observation &, const Puppet &truth) {
+  puppet.meddle = [&](perception::Observation&, const Puppet& truth) {
     if (executive.estimate().leg == truth.leg()) {
-      largest_m = std::max(largest_m, std::abs(executive.estimate().distance_m -
-                                               truth.distance_m()));
+      largest_m =
+          std::max(largest_m, std::abs(executive.estimate().distance_m - truth.distance_m()));
     }
   };
   puppet.Drive(executive);
@@ -212,8 +200,7 @@ TEST(Executive, LearnsHowLongThePipeIs) {
   Executive executive = Robot(TeeField(), {"A", "M"}, 1.05);
   puppet.Drive(executive);
   const Estimate estimate = executive.estimate();
-  EXPECT_NEAR(estimate.distance_m - estimate.leg_length_m, puppet.beyond_m(),
-              0.02);
+  EXPECT_NEAR(estimate.distance_m - estimate.leg_length_m, puppet.beyond_m(), 0.02);
 }
 
 // ---- what must not happen ----
@@ -230,12 +217,11 @@ TEST(Executive, DoesNotTurnWithoutTheJunction) {
 TEST(Executive, DoesNotTurnWithoutTheManhole) {
   PuppetSetup setup;
   setup.tops_open = false;
-  for (const auto &network : {TeeField(), Curve()}) {
+  for (const auto& network : {TeeField(), Curve()}) {
     const Puppet puppet = Drive(network, {"A", "C"}, setup);
     EXPECT_TRUE(puppet.turns().empty()) << puppet.story();
     EXPECT_TRUE(puppet.Was(Phase::kFailed));
-    EXPECT_THAT(puppet.story(),
-                HasSubstr("manhole M was not found where the map has it"));
+    EXPECT_THAT(puppet.story(), HasSubstr("manhole M was not found where the map has it"));
   }
 }
 
@@ -257,8 +243,7 @@ TEST(Executive, StandsStillOnceItHasFailed) {
   puppet.Drive(executive);
   ASSERT_EQ(executive.phase(), Phase::kFailed);
   const std::vector<perception::Observation> later{
-      OdometryObservation{At(900), 50.0, 50.0, 50.0},
-      AttitudeObservation{At(901), 1.0, 1.0, 1.0},
+      OdometryObservation{At(900), 50.0, 50.0, 50.0}, AttitudeObservation{At(901), 1.0, 1.0, 1.0},
       IrObservation{At(902), true, true, true},
       LaserObservation{At(903),
                        true,
@@ -268,9 +253,8 @@ TEST(Executive, StandsStillOnceItHasFailed) {
                        1,
                        1,
                        {},
-                       {{LaserWindow::kTop, true, At(903)},
-                        {LaserWindow::kLeft, true, At(903)}}}};
-  for (const perception::Observation &observation : later) {
+                       {{LaserWindow::kTop, true, At(903)}, {LaserWindow::kLeft, true, At(903)}}}};
+  for (const perception::Observation& observation : later) {
     const robot::Command command = executive.Step(observation);
     EXPECT_EQ(command.left_rad_s, 0.0);
     EXPECT_EQ(command.right_rad_s, 0.0);
@@ -284,8 +268,7 @@ TEST(Executive, StandsStillOnceItHasArrived) {
   puppet.Drive(executive);
   ASSERT_EQ(executive.phase(), Phase::kArrived);
   EXPECT_TRUE(executive.finished());
-  const robot::Command command =
-      executive.Step(OdometryObservation{At(900), 90.0, 90.0, 90.0});
+  const robot::Command command = executive.Step(OdometryObservation{At(900), 90.0, 90.0, 90.0});
   EXPECT_EQ(command.left_rad_s, 0.0);
   EXPECT_EQ(command.right_rad_s, 0.0);
 }
@@ -309,18 +292,17 @@ TEST(Executive, TakesNoJunctionOfTheStartForTheNextManholes) {
   // 7 m on, the IR (110 mm before the base) comes to the shaft of M, and the
   // laser still reports.
   (void)executive.Step(OdometryObservation{At(60.0), 6.99, 6.99, 6.99});
-  (void)executive.Step(
-      LaserObservation{At(60.0),
-                       false,
-                       false,
-                       false,
-                       0.1,
-                       0.1,
-                       0.1,
-                       {},
-                       {{LaserWindow::kTop, false, At(2.0)},
-                        {LaserWindow::kLeft, false, At(2.0)},
-                        {LaserWindow::kRight, false, At(2.0)}}});
+  (void)executive.Step(LaserObservation{At(60.0),
+                                        false,
+                                        false,
+                                        false,
+                                        0.1,
+                                        0.1,
+                                        0.1,
+                                        {},
+                                        {{LaserWindow::kTop, false, At(2.0)},
+                                         {LaserWindow::kLeft, false, At(2.0)},
+                                         {LaserWindow::kRight, false, At(2.0)}}});
   (void)executive.Step(IrObservation{At(60.0), true, false, false});
   EXPECT_EQ(executive.phase(), Phase::kDriving);
 }
@@ -335,10 +317,9 @@ TEST(Executive, TakesNoJunctionOfTheManholeItLeavesForTheNext) {
   Executive executive = Robot(network, route);
   Puppet puppet(network, route, {});
   bool shown = false;
-  puppet.meddle = [&](perception::Observation &observation, const Puppet &) {
-    auto *laser = std::get_if<LaserObservation>(&observation);
-    if (laser == nullptr || executive.phase() != Phase::kLeaving || shown)
-      return;
+  puppet.meddle = [&](perception::Observation& observation, const Puppet&) {
+    auto* laser = std::get_if<LaserObservation>(&observation);
+    if (laser == nullptr || executive.phase() != Phase::kLeaving || shown) return;
     laser->edges.push_back({LaserWindow::kRight, true, laser->captured_at});
     shown = true;
   };
@@ -351,44 +332,42 @@ TEST(Executive, TakesNoJunctionOfTheManholeItLeavesForTheNext) {
 
 // ---- what every command obeys ----
 
-perception::Observation AnyObservation(RandomStream &random, double &time_s,
-                                       double &travel_m, bool backwards) {
+perception::Observation AnyObservation(RandomStream& random, double& time_s, double& travel_m,
+                                       bool backwards) {
   time_s += random.Uniform(-0.05, 0.15);
   const RunTime at = At(time_s);
   const auto coin = [&] { return random.Index(2) == 1; };
   switch (random.Index(6)) {
-  case 0: {
-    LaserObservation laser;
-    laser.captured_at = at;
-    for (const LaserWindow window :
-         {LaserWindow::kRight, LaserWindow::kTop, LaserWindow::kLeft}) {
-      if (random.Index(10) == 0)
-        laser.edges.push_back(
-            {window, coin(), at - At(random.Uniform(0.0, 0.3))});
+    case 0: {
+      LaserObservation laser;
+      laser.captured_at = at;
+      for (const LaserWindow window :
+           {LaserWindow::kRight, LaserWindow::kTop, LaserWindow::kLeft}) {
+        if (random.Index(10) == 0)
+          laser.edges.push_back({window, coin(), at - At(random.Uniform(0.0, 0.3))});
+      }
+      return laser;
     }
-    return laser;
-  }
-  case 1:
-    return IrObservation{at, random.Index(20) == 0, coin(), coin()};
-  case 2: {
-    perception::RingObservation rings{at, {}};
-    for (std::uint64_t i = random.Index(4); i > 0; --i) {
-      perception::RingSighting ring;
-      ring.kind = coin() ? perception::RingKind::kJoint
-                         : perception::RingKind::kManholeMouth;
-      ring.distance_m = random.Uniform(0.2, 1.6);
-      rings.rings.push_back(ring);
+    case 1:
+      return IrObservation{at, random.Index(20) == 0, coin(), coin()};
+    case 2: {
+      perception::RingObservation rings{at, {}};
+      for (std::uint64_t i = random.Index(4); i > 0; --i) {
+        perception::RingSighting ring;
+        ring.kind = coin() ? perception::RingKind::kJoint : perception::RingKind::kManholeMouth;
+        ring.distance_m = random.Uniform(0.2, 1.6);
+        rings.rings.push_back(ring);
+      }
+      return rings;
     }
-    return rings;
-  }
-  case 3:
-    return AttitudeObservation{at, random.Uniform(-3, 3), random.Uniform(-9, 9),
-                               random.Uniform(-9, 9)};
-  case 4:
-    return perception::FaultObservation{at, {}};
-  default:
-    travel_m += (backwards ? -1.0 : 1.0) * random.Uniform(-0.05, 0.15);
-    return OdometryObservation{at, travel_m, travel_m, travel_m};
+    case 3:
+      return AttitudeObservation{at, random.Uniform(-3, 3), random.Uniform(-9, 9),
+                                 random.Uniform(-9, 9)};
+    case 4:
+      return perception::FaultObservation{at, {}};
+    default:
+      travel_m += (backwards ? -1.0 : 1.0) * random.Uniform(-0.05, 0.15);
+      return OdometryObservation{at, travel_m, travel_m, travel_m};
   }
 }
 
@@ -406,25 +385,21 @@ TEST(Executive, KeepsTheSpeedLimitWhateverItSees) {
     double time_s = 0.0, travel_m = 0.0;
     robot::Command command;
     for (int i = 0; i < 1500; ++i) {
-      command = executive.Step(
-          AnyObservation(random, time_s, travel_m, command.left_rad_s < 0.0));
-      const double left_m_s = 0.045 * command.left_rad_s,
-                   right_m_s = 0.045 * command.right_rad_s;
-      ASSERT_LE(std::abs(left_m_s + right_m_s) / 2.0, 0.15)
-          << "seed " << seed << ", step " << i;
+      command = executive.Step(AnyObservation(random, time_s, travel_m, command.left_rad_s < 0.0));
+      const double left_m_s = 0.045 * command.left_rad_s, right_m_s = 0.045 * command.right_rad_s;
+      ASSERT_LE(std::abs(left_m_s + right_m_s) / 2.0, 0.15) << "seed " << seed << ", step " << i;
       ASSERT_LE(std::abs(left_m_s), 0.25) << "seed " << seed << ", step " << i;
       ASSERT_LE(std::abs(right_m_s), 0.25) << "seed " << seed << ", step " << i;
       const Estimate estimate = executive.estimate();
-      ASSERT_TRUE(std::isfinite(estimate.distance_m) &&
-                  std::isfinite(estimate.deviation_m) &&
+      ASSERT_TRUE(std::isfinite(estimate.distance_m) && std::isfinite(estimate.deviation_m) &&
                   std::isfinite(estimate.leg_length_m))
           << "seed " << seed << ", step " << i;
       ASSERT_LT(estimate.leg, executive.route().legs.size());
       phases.insert(executive.phase());
     }
   }
-  EXPECT_THAT(phases, testing::IsSupersetOf({Phase::kBackingUp, Phase::kTurning,
-                                             Phase::kLeaving, Phase::kFailed}))
+  EXPECT_THAT(phases, testing::IsSupersetOf(
+                          {Phase::kBackingUp, Phase::kTurning, Phase::kLeaving, Phase::kFailed}))
       << "the sequences reach into the manoeuvres";
 }
 
@@ -437,14 +412,11 @@ TEST(Executive, NeverExceedsTheLimitOnAMission) {
 // down.
 TEST(Executive, SteersDownhill) {
   Executive executive = Robot(TeeField(), {"A", "M"});
-  const robot::Command right =
-      executive.Step(AttitudeObservation{At(0.1), 0.1, 0.0, 0.0});
+  const robot::Command right = executive.Step(AttitudeObservation{At(0.1), 0.1, 0.0, 0.0});
   EXPECT_GT(right.left_rad_s, right.right_rad_s);
-  const robot::Command left =
-      executive.Step(AttitudeObservation{At(0.2), -0.1, 0.0, 0.0});
+  const robot::Command left = executive.Step(AttitudeObservation{At(0.2), -0.1, 0.0, 0.0});
   EXPECT_GT(left.right_rad_s, left.left_rad_s);
-  const robot::Command straight =
-      executive.Step(AttitudeObservation{At(0.3), 0.0, 0.0, 0.0});
+  const robot::Command straight = executive.Step(AttitudeObservation{At(0.3), 0.0, 0.0, 0.0});
   EXPECT_EQ(straight.left_rad_s, straight.right_rad_s);
 }
 
@@ -465,13 +437,10 @@ TEST(Executive, HoldsItsHeadingAcrossAManhole) {
   Puppet puppet(TeeField(), {"A", "E"}, {});
   Executive executive = Robot(TeeField(), {"A", "E"});
   bool tried = false;
-  puppet.meddle = [&](perception::Observation &observation,
-                      const Puppet &truth) {
-    if (tried || truth.leg() != 0 || truth.beyond_m() < 0.2)
-      return;
+  puppet.meddle = [&](perception::Observation& observation, const Puppet& truth) {
+    if (tried || truth.leg() != 0 || truth.beyond_m() < 0.2) return;
     tried = true;
-    const RunTime now = std::visit(
-        [](const auto &seen) { return seen.captured_at; }, observation);
+    const RunTime now = std::visit([](const auto& seen) { return seen.captured_at; }, observation);
     (void)executive.Step(AttitudeObservation{now, 0.0, 0.0, 1.0});
     const robot::Command command =
         executive.Step(AttitudeObservation{now + At(0.1), 0.0, 0.0, 1.0});
@@ -488,10 +457,8 @@ TEST(Executive, SlowsDownBeforeTheManholeWhereItTurns) {
   Executive executive = Robot(TeeField(), {"A", "C"});
   puppet.Drive(executive, 100.0);
   Executive slow = Robot(TeeField(), {"A", "C"});
-  const double cruise =
-      slow.Step(OdometryObservation{At(0.02), 0.0, 0.0, 0.0}).left_rad_s;
-  const double near =
-      slow.Step(OdometryObservation{At(50.0), 6.3, 6.3, 6.3}).left_rad_s;
+  const double cruise = slow.Step(OdometryObservation{At(0.02), 0.0, 0.0, 0.0}).left_rad_s;
+  const double near = slow.Step(OdometryObservation{At(50.0), 6.3, 6.3, 6.3}).left_rad_s;
   EXPECT_NEAR(cruise * 0.045, 0.13, 1e-9);
   EXPECT_NEAR(near * 0.045, 0.08, 1e-9);
 }
@@ -515,5 +482,5 @@ TEST(Executive, NamesEveryPhase) {
   EXPECT_THROW((void)ToString(static_cast<Phase>(99)), std::invalid_argument);
 }
 
-} // namespace
-} // namespace kantaro::navigation
+}  // namespace
+}  // namespace kantaro::navigation

@@ -124,6 +124,17 @@ TEST(Localiser, LearnsTheTrueLengthFromALandmarkOnTheWay) {
   EXPECT_NEAR(localiser.distance_m(), 5.0, 1e-6);
 }
 
+// Halfway, half of the length's 0.3 m counts; once the way to a landmark is known, that to another
+// of the same pipe is not.
+TEST(Localiser, KnowsHowSureItIsOfTheWayToALandmark) {
+  Localiser localiser(LegOf(10.0), 0.0, SomeErrors());
+  EXPECT_NEAR(localiser.to_landmark_deviation_m(5.0), std::hypot(0.05, 0.15), 1e-12);
+  EXPECT_NEAR(localiser.to_landmark_deviation_m(0.0), 0.05, 1e-12);
+  ASSERT_TRUE(localiser.SeeLandmark(5.0, 5.0, kExact));
+  EXPECT_NEAR(localiser.to_landmark_deviation_m(5.0), kExact, 1e-7);
+  EXPECT_GT(localiser.to_landmark_deviation_m(10.0), 0.04);
+}
+
 // ... and with the length known, one tells where the robot is.
 TEST(Localiser, FindsItselfByALandmark) {
   Parameters parameters = SomeErrors();
