@@ -65,9 +65,19 @@ robot::Command Executive::Step(const perception::Observation& observation) {
 // ---- what the sensors say ----
 
 void Executive::See(const perception::OdometryObservation& odometry) {
-  if (!travel_.empty()) localiser_.Advance(odometry.travel_m - travel_.back().second);
+  if (!travel_.empty()) {
+    const double rolled_m = odometry.travel_m - travel_.back().second;
+    localiser_.Advance(phase_ == Phase::kTurning ? ProgressInTurn_m() : rolled_m);
+  }
   travel_.emplace_back(odometry.captured_at, odometry.travel_m);
   while (travel_.front().first + kTravelMemory < odometry.captured_at) travel_.pop_front();
+}
+
+double Executive::ProgressInTurn_m() const {
+  const double way_m = geometry_.front_axle_x_m + parameters_.turn_lead_m +
+                       Leg().channel_radius_m * std::abs(Leg().turn_rad);
+  const double share = std::clamp(heading_rad_ / Leg().turn_rad, 0.0, 1.0);
+  return std::max(0.0, turn_began_m_ + share * way_m - localiser_.distance_m()) / localiser_.scale();
 }
 
 void Executive::See(const perception::AttitudeObservation& attitude) {
@@ -281,16 +291,17 @@ void Executive::BeginTurn() {
 void Executive::Steer() {
   heading_rad_ = 0.0;
   turn_began_m_ = localiser_.distance_m();
+  rolled_before_turn_m_ = travel_.empty() ? 0.0 : travel_.back().second;
   Enter(Phase::kTurning, fmt::format("turn into the channel of manhole {}", Leg().end_manhole));
 }
 
 void Executive::DecideTurning() {
   const double turned_rad = std::copysign(1.0, Leg().turn_rad) * heading_rad_;
-  const double driven_m = localiser_.distance_m() - turn_began_m_;
+  const double rolled_m = travel_.empty() ? 0.0 : travel_.back().second - rolled_before_turn_m_;
   const double bend_m = Leg().channel_radius_m * std::abs(Leg().turn_rad);
   if (turned_rad < std::abs(Leg().turn_rad) - parameters_.turn_tolerance_rad) {
     // Wheels that spin far beyond the way through the manhole do not turn the robot.
-    if (driven_m > 4.0 * (Leg().ThroughManhole_m() + bend_m)) {
+    if (rolled_m > 4.0 * (Leg().ThroughManhole_m() + bend_m)) {
       Enter(Phase::kFailed, fmt::format("stuck in the turn of manhole {}", Leg().end_manhole));
     }
     return;

@@ -102,6 +102,9 @@ class Executive {
   [[nodiscard]] double TurnStart_m() const;
   /// Within the memory of `travel_`; the oldest before that.
   [[nodiscard]] double WheelTravelAt(robot::RunTime time) const;
+  /// What to add to the distance while turning, as wheel travel. Wheels that skid round tell nothing of the way: it is
+  /// taken in proportion to the heading, from the turn's start to the bend's end.
+  [[nodiscard]] double ProgressInTurn_m() const;
   /// Wheel travel since an earlier time, times the learned scale.
   [[nodiscard]] double TravelSince(robot::RunTime time) const;
   [[nodiscard]] bool Silent(const std::optional<robot::RunTime>& heard) const;
@@ -128,7 +131,8 @@ class Executive {
   std::optional<double> side_opened_left_, side_opened_right_;   ///< wheel travel where the window opened
   bool infrared_up_{};
   double heading_rad_{};        ///< turned since the last manoeuvre began or, driving, since the manhole was entered
-  double turn_began_m_{};       ///< distance at which the turn began
+  double turn_began_m_{};           ///< distance at which the turn began
+  double rolled_before_turn_m_{};   ///< wheel travel then
   std::vector<Event> events_;
 };
 
