@@ -23,15 +23,20 @@ using robot::RunTime;
 using testing::HasSubstr;
 using testing::Not;
 
-// By the shaft's geometry (R = 0.4 m, ρ = 0.264 m): the bend begins R − ρ =
-// 0.136 m behind the wall, and steering begins when the front axle (80 mm
-// before the base) is 60 mm short of it.
+// By the shaft's geometry (R = 0.4 m, ρ = 0.264 m): the bend begins R − ρ = 0.136 m behind the
+// wall, and steering begins when the front axle (80 mm before the base) is 60 mm short of it.
 constexpr double kTurnBegins_m = 0.136 - 0.08 - 0.06;
-// The laser, 170 mm behind the base, sees the branch 0.207 m behind the wall:
-// where the inner wall of its channel, of radius ρ − D/2 = 0.114 m about
-// (0.136, 0.264), is 0.175 m from the axis, at 0.136 + √(0.114² − 0.089²).
-// Three revolutions settle it.
+// The laser, 170 mm behind the base, sees the branch 0.207 m behind the wall: where the inner wall
+// of its channel, of radius ρ − D/2 = 0.114 m about (0.136, 0.264), is 0.175 m from the axis, at
+// 0.136 + √(0.114² − 0.089²). Three revolutions settle it.
 const double kBranchSeen_m = 0.136 + std::sqrt(0.114 * 0.114 - 0.089 * 0.089) + 0.17;
+
+LaserObservation Windows(RunTime at, const std::vector<perception::WindowEdge>& edges) {
+  LaserObservation laser;
+  laser.captured_at = at;
+  laser.edges = edges;
+  return laser;
+}
 
 RunTime At(double time_s) { return RunTime(static_cast<RunTime::rep>(time_s * 1e9)); }
 
@@ -55,8 +60,7 @@ void ExpectArrival(const Puppet& puppet, std::size_t last_leg) {
   EXPECT_FALSE(puppet.crashed()) << puppet.story();
   ASSERT_TRUE(puppet.Was(Phase::kArrived)) << puppet.story();
   EXPECT_EQ(puppet.leg(), last_leg);
-  // The laser, 170 mm behind the base, is in the shaft; the base in its first
-  // half.
+  // The laser, 170 mm behind the base, is in the shaft; the base in its first half.
   EXPECT_GT(puppet.beyond_m(), 0.17 - 0.01) << puppet.story();
   EXPECT_LT(puppet.beyond_m(), 0.40) << puppet.story();
 }
@@ -82,13 +86,25 @@ TEST(Executive, BacksUpAndTurnsAtATee) {
   EXPECT_NEAR(puppet.turns()[0].beyond_m, kTurnBegins_m, 0.015);
 }
 
-// "If the robot enters into the manhole and is to turn it moves backward by 40
-// cm and turns" (thesis 5.6).
+// "If the robot enters into the manhole and is to turn it moves backward by 40 cm and turns"
+// (thesis 5.6).
 TEST(Executive, BacksUpByWhatTheGeometryGives) {
   const Puppet puppet = Drive(TeeField(), {"A", "C"});
   EXPECT_NEAR(puppet.First(Phase::kBackingUp).beyond_m, kBranchSeen_m, 0.015);
   EXPECT_NEAR(puppet.longest_reverse_m(), kBranchSeen_m - kTurnBegins_m, 0.025);
   EXPECT_NEAR(puppet.longest_reverse_m(), 0.40, 0.03);
+}
+
+// Steering against a roll would steer uphill in reverse.
+TEST(Executive, BacksUpStraight) {
+  Puppet puppet(TeeField(), {"A", "C"}, {});
+  Executive executive = Robot(TeeField(), {"A", "C"});
+  puppet.meddle = [&](perception::Observation& observation, const Puppet&) {
+    auto* attitude = std::get_if<AttitudeObservation>(&observation);
+    if (attitude != nullptr && executive.phase() == Phase::kBackingUp) attitude->roll_rad = 0.3;
+  };
+  puppet.Drive(executive);
+  ExpectArrival(puppet, 1);
 }
 
 TEST(Executive, TurnsAtATeeOnlyAfterTheLasersJunction) {
@@ -130,8 +146,7 @@ TEST(Executive, FollowsACurveWithoutBackingUp) {
   EXPECT_NEAR(puppet.turns()[0].beyond_m, kTurnBegins_m, 0.015);
 }
 
-// Round the block the route ends in the tee that it passed first: one manhole,
-// met twice.
+// Round the block the route ends in the tee that it passed first: one manhole, met twice.
 TEST(Executive, ReachesATeeThatItPassedBefore) {
   const Puppet puppet = Drive(Block(), {"A", "X", "Z", "Y", "T"});
   ExpectArrival(puppet, 4);
@@ -167,16 +182,15 @@ TEST_P(MapOff, DrivesThroughWithSlippingWheelsAndCamera) {
   ExpectArrival(Drive(network, {"A", "C"}, setup, GetParam()), 1);
 }
 
-// 40 m of pipe, of which the map has 38 m: the tee comes 2 m, a pipe's width
-// many times over, after it is due.
+// 40 m of pipe, of which the map has 38 m: the tee comes 2 m, a pipe's width many times over, after
+// it is due.
 TEST(Executive, WaitsForATeeAsLongAsTheMapMayBeOff) {
   network::Network network = TeeField();
   network.manholes[0].p_WM.x() = 8.0 - 40.8;
   ExpectArrival(Drive(network, {"A", "C"}, {}, 0.95), 1);
 }
 
-// IR, laser and camera see one wall one after the other: one manhole, passed
-// once.
+// IR, laser and camera see one wall one after the other: one manhole, passed once.
 TEST(Executive, CountsAWallSeenByEverySensorOnce) {
   network::Network network = TeeField();
   PuppetSetup setup;
@@ -193,6 +207,24 @@ TEST(Executive, CountsAWallSeenByEverySensorOnce) {
   puppet.Drive(executive);
   ExpectArrival(puppet, 2);
   EXPECT_LT(largest_m, 0.05);
+}
+
+// Joints that no map has still tell how far the robot comes: wheels that slip by 5 % are found out.
+TEST(Executive, LearnsSlipFromRingsThatAreNotOnTheMap) {
+  network::Network network = TeeField();
+  network.manholes[0].p_WM.x() = 8.0 - 20.8;
+  Executive executive = Robot(network, {"A", "M"});
+  for (int i = 1; i < 11; ++i) network.pipes[0].joints.push_back({1.8 * i, 0.008, 0.006});
+  PuppetSetup setup;
+  setup.camera = true;
+  setup.scale = 0.95;
+  Puppet puppet(network, {"A", "M"}, setup);
+  puppet.Drive(executive, 130.0);
+  ASSERT_GT(puppet.distance_m(), 15.0);
+  ASSERT_LT(puppet.beyond_m(), -2.0) << "no wall has helped";
+  const double by_the_wheels_m = 0.6 + (puppet.distance_m() - 0.6) / 0.95;
+  EXPECT_LT(std::abs(executive.estimate().distance_m - puppet.distance_m()),
+            0.5 * (by_the_wheels_m - puppet.distance_m()));
 }
 
 TEST(Executive, LearnsHowLongThePipeIs) {
@@ -245,15 +277,7 @@ TEST(Executive, StandsStillOnceItHasFailed) {
   const std::vector<perception::Observation> later{
       OdometryObservation{At(900), 50.0, 50.0, 50.0}, AttitudeObservation{At(901), 1.0, 1.0, 1.0},
       IrObservation{At(902), true, true, true},
-      LaserObservation{At(903),
-                       true,
-                       true,
-                       true,
-                       1,
-                       1,
-                       1,
-                       {},
-                       {{LaserWindow::kTop, true, At(903)}, {LaserWindow::kLeft, true, At(903)}}}};
+      Windows(At(903), {{LaserWindow::kTop, true, At(903)}, {LaserWindow::kLeft, true, At(903)}})};
   for (const perception::Observation& observation : later) {
     const robot::Command command = executive.Step(observation);
     EXPECT_EQ(command.left_rad_s, 0.0);
@@ -273,42 +297,41 @@ TEST(Executive, StandsStillOnceItHasArrived) {
   EXPECT_EQ(command.right_rad_s, 0.0);
 }
 
-// Set down with the laser still in the start shaft, a tee: its windows are
-// open, but of a manhole that lies behind.
+// Set down with the laser still in the start shaft, a tee: its windows are open, but of a manhole
+// that lies behind.
 TEST(Executive, TakesNoJunctionOfTheStartForTheNextManholes) {
   Executive executive = Robot(TeeField(), {"A", "C"}, 1.0, 0.1);
   (void)executive.Step(OdometryObservation{At(0.1), 0.0, 0.0, 0.0});
-  (void)executive.Step(LaserObservation{At(0.1),
-                                        true,
-                                        true,
-                                        true,
-                                        1,
-                                        1,
-                                        1,
-                                        {},
-                                        {{LaserWindow::kRight, true, At(0.1)},
+  (void)executive.Step(Windows(At(0.1), {{LaserWindow::kRight, true, At(0.1)},
                                          {LaserWindow::kTop, true, At(0.1)},
-                                         {LaserWindow::kLeft, true, At(0.1)}}});
-  // 7 m on, the IR (110 mm before the base) comes to the shaft of M, and the
-  // laser still reports.
+                                         {LaserWindow::kLeft, true, At(0.1)}}));
+  // 7 m on, the IR (110 mm before the base) comes to the shaft of M, and the laser still reports.
   (void)executive.Step(OdometryObservation{At(60.0), 6.99, 6.99, 6.99});
-  (void)executive.Step(LaserObservation{At(60.0),
-                                        false,
-                                        false,
-                                        false,
-                                        0.1,
-                                        0.1,
-                                        0.1,
-                                        {},
-                                        {{LaserWindow::kTop, false, At(2.0)},
-                                         {LaserWindow::kLeft, false, At(2.0)},
-                                         {LaserWindow::kRight, false, At(2.0)}}});
+  (void)executive.Step(Windows(At(60.0), {{LaserWindow::kTop, false, At(2.0)},
+                                          {LaserWindow::kLeft, false, At(2.0)},
+                                          {LaserWindow::kRight, false, At(2.0)}}));
   (void)executive.Step(IrObservation{At(60.0), true, false, false});
+  EXPECT_EQ(executive.phase(), Phase::kDriving);
+  // In the shaft, beyond the bend's start: no junction was seen here.
+  (void)executive.Step(OdometryObservation{At(62.0), 7.25, 7.25, 7.25});
   EXPECT_EQ(executive.phase(), Phase::kDriving);
 }
 
-// Leaving one tee for the next, the laser still looks into the first one's
-// channels.
+// The same by IR, which decides where there is no laser.
+TEST(Executive, TakesNoIrJunctionOfTheStartForTheNextManholes) {
+  Executive executive = Robot(TeeField(), {"A", "C"}, 1.0, 0.1);
+  (void)executive.Step(OdometryObservation{At(9.0), 0.0, 0.0, 0.0});
+  (void)executive.Step(IrObservation{At(9.0), true, true, true});
+  (void)executive.Step(IrObservation{At(10.0), false, false, false});
+  (void)executive.Step(OdometryObservation{At(60.0), 6.99, 6.99, 6.99});
+  (void)executive.Step(IrObservation{At(60.0), true, false, false});
+  (void)executive.Step(OdometryObservation{At(61.0), 7.25, 7.25, 7.25});
+  EXPECT_EQ(executive.phase(), Phase::kDriving);
+  (void)executive.Step(IrObservation{At(61.0), true, true, false});
+  EXPECT_EQ(executive.phase(), Phase::kBackingUp) << "that is the junction of M";
+}
+
+// Leaving one tee for the next, the laser still looks into the first one's channels.
 TEST(Executive, TakesNoJunctionOfTheManholeItLeavesForTheNext) {
   network::Network network = Block();
   network.pipes.push_back(PipeFrom("YW", "Y", "W"));
@@ -328,6 +351,9 @@ TEST(Executive, TakesNoJunctionOfTheManholeItLeavesForTheNext) {
   ExpectArrival(puppet, 2);
   ASSERT_EQ(puppet.turns().size(), 2u) << puppet.story();
   EXPECT_NEAR(puppet.turns()[1].beyond_m, kTurnBegins_m, 0.02);
+  EXPECT_NE(puppet.story().find("back up", puppet.story().find("laser: manhole Y")),
+            std::string::npos)
+      << puppet.story();
 }
 
 // ---- what every command obeys ----
@@ -371,9 +397,8 @@ perception::Observation AnyObservation(RandomStream& random, double& time_s, dou
   }
 }
 
-// Whatever the sensors say, with clocks that run backwards: never above 15 cm/s
-// (thesis 5.6), never more than the motors' 0.25 m/s at one wheel
-// (models/kantaro/kantaro.yaml), always a number.
+// Whatever the sensors say, with clocks that run backwards: never above 15 cm/s (thesis 5.6), never
+// more than the motors' 0.25 m/s at one wheel (models/kantaro/kantaro.yaml), always a number.
 TEST(Executive, KeepsTheSpeedLimitWhateverItSees) {
   network::Network network = TeeField();
   network.pipes[0].joints = {{1.5, 0.008, 0.006}, {3.3, 0.008, 0.006}};
@@ -408,8 +433,7 @@ TEST(Executive, NeverExceedsTheLimitOnAMission) {
   EXPECT_LE(Drive(Curve(), {"A", "C"}).fastest_m_s(), 0.15);
 }
 
-// High on the left, it has climbed the left wall: steering right brings it
-// down.
+// High on the left, it has climbed the left wall: steering right brings it down.
 TEST(Executive, SteersDownhill) {
   Executive executive = Robot(TeeField(), {"A", "M"});
   const robot::Command right = executive.Step(AttitudeObservation{At(0.1), 0.1, 0.0, 0.0});
@@ -431,8 +455,7 @@ TEST(Executive, DampsItsRoll) {
   EXPECT_LT(std::abs(steer(0.1, -0.05)), std::abs(steer(0.1, 0.0)));
 }
 
-// Crossing a shaft it has no round wall to lean on: drifted to the left, it
-// steers right.
+// Crossing a shaft it has no round wall to lean on: drifted to the left, it steers right.
 TEST(Executive, HoldsItsHeadingAcrossAManhole) {
   Puppet puppet(TeeField(), {"A", "E"}, {});
   Executive executive = Robot(TeeField(), {"A", "E"});
