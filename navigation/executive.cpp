@@ -161,7 +161,6 @@ void Executive::SeeEndWall(double sensor_x_m, double travelled_since_m, const ch
 }
 
 void Executive::See(const perception::RingObservation& rings) {
-  if (!rings.rings.empty() || !camera_heard_) camera_heard_ = rings.captured_at;
   if (phase_ != Phase::kDriving || travel_.empty()) return;
   const double since_m = TravelSince(rings.captured_at);
   for (const ScaleSighting& scale : rings_.Follow(rings.rings, WheelTravelAt(rings.captured_at))) {

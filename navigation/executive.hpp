@@ -43,8 +43,8 @@ struct Event {
 /// only where the manhole was found too late for that, as by the laser alone. In a pipe it keeps itself upright by
 /// steering against its roll.
 ///
-/// It makes a turn only where a sensor confirms the manhole. With laser, IR and camera all silent nothing can; then it
-/// trusts wheels and map and acts at the map's distances.
+/// It makes a turn only where laser or IR confirms the manhole. With both silent nothing can; then it trusts wheels and
+/// map and acts at the map's distances.
 class Executive {
  public:
   /// @param start_distance_m  of the base's origin from the start manhole's wall along the first leg, as set down.
@@ -121,7 +121,7 @@ class Executive {
   RingTracker rings_;
   Phase phase_{Phase::kDriving};
   robot::RunTime now_{};
-  std::optional<robot::RunTime> laser_heard_, infrared_heard_, camera_heard_;
+  std::optional<robot::RunTime> laser_heard_, infrared_heard_;
   std::deque<std::pair<robot::RunTime, double>> travel_;   ///< of the last two seconds: (time, wheel travel)
   std::optional<perception::AttitudeObservation> attitude_;
 

@@ -20,7 +20,7 @@ struct RobotGeometry {
 /// models/kantaro/navigation.yaml: what each number is for stands there.
 struct Parameters {
   double cruise_m_s{}, approach_m_s{}, reverse_m_s{}, turn_m_s{};
-  double approach_distance_m{};        ///< before the end wall (in standard deviations as well: see approach_deviations)
+  double approach_distance_m{};        ///< before the end wall: slow down
   double gate_deviations{};
   double turn_ratio{};                 ///< inner wheels run at (1 − ratio), outer at (1 + ratio)
   double turn_easing_rad{};            ///< the ratio fades over the last so much of the turn

@@ -237,8 +237,9 @@ std::string DrawPaths(const PlanView& view, const Scenario& scenario, const Miss
       continue;
     }
     if (!axes[*pipe]) axes[*pipe].emplace(scenario.network, scenario.network.pipes[*pipe]);
-    const Eigen::Vector2d p =
-        view(Eigen::Vector3d(axes[*pipe]->PoseAt(sample.chainage_m).translation()));
+    Eigen::Vector3d p_WB = axes[*pipe]->PoseAt(sample.chainage_m).translation();
+    if (sample.p_WChannel) p_WB.head<2>() = *sample.p_WChannel;
+    const Eigen::Vector2d p = view(p_WB);
     estimate.Add(p.x(), p.y());
   }
   std::string svg = truth.Svg("truth") + estimate.Svg("estimate");

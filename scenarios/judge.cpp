@@ -348,6 +348,8 @@ double PositionError(const network::Network& network, const TruthSample& truth,
   if (!pipe) return std::numeric_limits<double>::infinity();
   if (truth.place.pipe == estimate.pipe)
     return std::abs(truth.place.chainage_m - estimate.chainage_m);
+  if (estimate.p_WChannel)
+    return (*estimate.p_WChannel - truth.X_WB.translation().head<2>()).norm();
   const network::PipeAxis axis(network, network.pipes[*pipe]);
   return PlanDistance(axis.PoseAt(estimate.chainage_m).translation(), truth.X_WB.translation());
 }

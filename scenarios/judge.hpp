@@ -46,7 +46,7 @@ struct Verdict {
 [[nodiscard]] Verdict Judge(const Scenario& scenario, const MissionTrace& trace);
 
 /// Distance between where the robot was and where it thought it was [m]: along the pipe if both are
-/// in the same one, otherwise in plan between the base and the estimated point of the pipe's axis.
+/// in the same one, otherwise in plan between the base and the estimated point of channel or axis.
 /// Infinite without an estimate.
 [[nodiscard]] double PositionError(const network::Network& network, const TruthSample& truth,
                                    const EstimateSample& estimate);

@@ -36,10 +36,13 @@ struct EstimateSample {
   /// The robot believes in a distance from the manhole where it entered the pipe. This is the
   /// chainage of the point so far from there in the true pipe, so that a wrong length on the map
   /// alone is no error of the estimate.
+  /// Beyond a wall the robot has passed it counts from that wall, as the robot does.
   double chainage_m{};
   double deviation_m{};  ///< standard deviation of the chainage
   std::string phase;     ///< of the executive: "drive", "turn" ...
   bool turning{};        ///< the phase commands a change of heading
+  /// Inside a manhole: the point of its channel, in plan, that the robot takes for its own.
+  std::optional<Eigen::Vector2d> p_WChannel{};
 };
 
 /// Something worth a mark on the charts: a landmark seen, a turn begun.

@@ -65,6 +65,23 @@ double WrapClock(double clock_h) {
   return wrapped == 0.0 ? 12.0 : wrapped;
 }
 
+/// The point of a manhole's channel, in plan, so far along it from the wall where a leg ends.
+Eigen::Vector2d ChannelPoint(const network::PipeAxis& axis, const navigation::MapLeg& leg, double inside_m) {
+  const Eigen::Isometry3d X_WWall = axis.PoseAt(leg.downstream ? axis.length_m() : 0.0);
+  const Eigen::Vector2d forward =
+      (leg.downstream ? 1.0 : -1.0) * X_WWall.linear().col(0).head<2>().normalized();
+  const Eigen::Vector2d left(-forward.y(), forward.x());
+  const double straight_m = std::min(inside_m, leg.StraightBeforeTurn_m());
+  Eigen::Vector2d p = X_WWall.translation().head<2>() + straight_m * forward;
+  if (leg.turn_rad == 0.0) return p + (inside_m - straight_m) * forward;
+  const double radius_m = leg.channel_radius_m;
+  const double angle_rad = std::min((inside_m - straight_m) / radius_m, std::abs(leg.turn_rad));
+  const double side = leg.turn_rad > 0.0 ? 1.0 : -1.0;
+  p += radius_m * (std::sin(angle_rad) * forward + side * (1.0 - std::cos(angle_rad)) * left);
+  const double beyond_m = inside_m - straight_m - radius_m * angle_rad;
+  return p + beyond_m * (std::cos(angle_rad) * forward + side * std::sin(angle_rad) * left);
+}
+
 }  // namespace
 
 TraceRecorder::TraceRecorder(const Scenario& scenario, const network::Network& world,
@@ -170,11 +187,20 @@ void TraceRecorder::Sample(double time_s, const sim::GroundTruth& truth,
     sample.place.manhole = world_.manholes[*truth.manhole].name;
   }
   trace_.truth.push_back(sample);
+  trace_.estimate.push_back(Believed(time_s, executive));
+}
+
+EstimateSample TraceRecorder::Believed(double time_s, const navigation::Executive& executive) const {
   const navigation::Estimate estimate = executive.estimate();
   const navigation::MapLeg& leg = executive.route().legs[estimate.leg];
-  trace_.estimate.push_back({time_s, leg.pipe, ChainageOf(leg, estimate.distance_m),
-                             estimate.deviation_m, ToString(executive.phase()),
-                             executive.phase() == navigation::Phase::kTurning});
+  EstimateSample sample{time_s, leg.pipe, ChainageOf(leg, estimate.distance_m), estimate.deviation_m,
+                        ToString(executive.phase()), executive.phase() == navigation::Phase::kTurning, {}};
+  const double inside_m = estimate.distance_m - estimate.leg_length_m;
+  if (inside_m <= 0.0) return sample;
+  const network::PipeAxis axis(world_, world_.PipeNamed(leg.pipe));
+  sample.chainage_m = ChainageOf(leg, axis.length_m() + inside_m);
+  sample.p_WChannel = ChannelPoint(axis, leg, inside_m);
+  return sample;
 }
 
 MissionTrace TraceRecorder::Finish(double end_s, const navigation::Executive& executive) {
