@@ -16,7 +16,8 @@ using robot::RunTime;
 using robot::Seconds;
 
 constexpr RunTime kTravelMemory = std::chrono::seconds(2);
-/// The laser's top window takes this long to open and close around a shaft's wall: half a window's chord.
+/// The laser's top window takes this long to open and close around a shaft's wall: half a window's
+/// chord.
 constexpr double kArrivalMargin_m = 0.02;
 /// An inlet is passed within so much; a window open for longer belongs to a junction.
 constexpr double kLongestInlet_m = 0.35;
@@ -27,12 +28,18 @@ double Clamp(double value, double limit) { return std::clamp(value, -limit, limi
 
 std::string ToString(Phase phase) {
   switch (phase) {
-    case Phase::kDriving: return "driving";
-    case Phase::kBackingUp: return "backing up";
-    case Phase::kTurning: return "turning";
-    case Phase::kLeaving: return "leaving the manhole";
-    case Phase::kArrived: return "arrived";
-    case Phase::kFailed: return "failed";
+    case Phase::kDriving:
+      return "driving";
+    case Phase::kBackingUp:
+      return "backing up";
+    case Phase::kTurning:
+      return "turning";
+    case Phase::kLeaving:
+      return "leaving the manhole";
+    case Phase::kArrived:
+      return "arrived";
+    case Phase::kFailed:
+      return "failed";
   }
   throw std::invalid_argument("no such phase");
 }
@@ -42,7 +49,8 @@ Executive::Executive(MapRoute route, double start_distance_m, const RobotGeometr
     : route_(std::move(route)),
       geometry_(geometry),
       parameters_(parameters),
-      localiser_(route_.legs.empty() ? throw std::invalid_argument("a route needs at least one leg") : route_.legs.front(),
+      localiser_(route_.legs.empty() ? throw std::invalid_argument("a route needs at least one leg")
+                                     : route_.legs.front(),
                  start_distance_m, parameters) {}
 
 Estimate Executive::estimate() const {
@@ -52,10 +60,12 @@ Estimate Executive::estimate() const {
 std::vector<Event> Executive::TakeEvents() { return std::exchange(events_, {}); }
 
 robot::Command Executive::Step(const perception::Observation& observation) {
-  std::visit([this](const auto& seen) {
-    now_ = std::max(now_, seen.captured_at);
-    See(seen);
-  }, observation);
+  std::visit(
+      [this](const auto& seen) {
+        now_ = std::max(now_, seen.captured_at);
+        See(seen);
+      },
+      observation);
   if (!finished()) Decide();
   const Drive drive = Act();
   const double wheel_rad_s = drive.speed_m_s / geometry_.tyre_radius_m;
@@ -77,11 +87,14 @@ double Executive::ProgressInTurn_m() const {
   const double way_m = geometry_.front_axle_x_m + parameters_.turn_lead_m +
                        Leg().channel_radius_m * std::abs(Leg().turn_rad);
   const double share = std::clamp(heading_rad_ / Leg().turn_rad, 0.0, 1.0);
-  return std::max(0.0, turn_began_m_ + share * way_m - localiser_.distance_m()) / localiser_.scale();
+  return std::max(0.0, turn_began_m_ + share * way_m - localiser_.distance_m()) /
+         localiser_.scale();
 }
 
 void Executive::See(const perception::AttitudeObservation& attitude) {
-  if (attitude_) heading_rad_ += attitude.yaw_rate_rad_s * Seconds(attitude.captured_at - attitude_->captured_at);
+  if (attitude_)
+    heading_rad_ +=
+        attitude.yaw_rate_rad_s * Seconds(attitude.captured_at - attitude_->captured_at);
   attitude_ = attitude;
 }
 
@@ -105,7 +118,8 @@ void Executive::SeeTop(const perception::WindowEdge& edge) {
     Report(Event::Kind::kLandmark, fmt::format("laser: entered pipe {}", Leg().pipe));
   } else if (!TurnsHere() && !OnLastLeg() && end_wall_seen_ &&
              geometry_.laser_x_m - since_m - localiser_.to_end_m() > Leg().end_shaft_radius_m) {
-    // Straight across: the top closes where the next pipe begins. Short of the middle it has only flickered.
+    // Straight across: the top closes where the next pipe begins. Short of the middle it has only
+    // flickered.
     BeginNextLeg(-geometry_.laser_x_m + since_m, parameters_.wall_error_m);
     Report(Event::Kind::kLandmark, fmt::format("laser: entered pipe {}", Leg().pipe));
   }
@@ -119,7 +133,8 @@ void Executive::SeeSide(const perception::WindowEdge& edge) {
     opened = WheelTravelAt(edge.at);
     // Before the end wall was passed an open top is that of the manhole where the leg began.
     if (top_open_ && end_wall_seen_) {
-      Report(Event::Kind::kLandmark, fmt::format("laser: junction to the {}", left ? "left" : "right"));
+      Report(Event::Kind::kLandmark,
+             fmt::format("laser: junction to the {}", left ? "left" : "right"));
       if (TurnsHere() && left == (Leg().turn_rad > 0.0)) junction_seen_ = true;
     }
   } else if (opened) {
@@ -134,8 +149,10 @@ void Executive::SeeInlet(bool left, double passed_m) {
   const LandmarkKind kind = left ? LandmarkKind::kInletLeft : LandmarkKind::kInletRight;
   for (const MapLandmark& landmark : Leg().landmarks) {
     if (landmark.kind == kind &&
-        localiser_.SeeLandmark(landmark.distance_m, geometry_.laser_x_m - passed_m, parameters_.inlet_error_m)) {
-      Report(Event::Kind::kLandmark, fmt::format("laser: inlet on the {}", left ? "left" : "right"));
+        localiser_.SeeLandmark(landmark.distance_m, geometry_.laser_x_m - passed_m,
+                               parameters_.inlet_error_m)) {
+      Report(Event::Kind::kLandmark,
+             fmt::format("laser: inlet on the {}", left ? "left" : "right"));
       return;
     }
   }
@@ -149,7 +166,8 @@ void Executive::See(const perception::IrObservation& infrared) {
   infrared_up_ = infrared.manhole;
   // The laser, where there is one, decides about junctions (thesis 5.6).
   const bool side = Leg().turn_rad > 0.0 ? infrared.junction_left : infrared.junction_right;
-  if (TurnsHere() && end_wall_seen_ && infrared.manhole && side && Silent(laser_heard_)) junction_seen_ = true;
+  if (TurnsHere() && end_wall_seen_ && infrared.manhole && side && Silent(laser_heard_))
+    junction_seen_ = true;
 }
 
 void Executive::SeeEndWall(double sensor_x_m, double travelled_since_m, const char* sensor) {
@@ -168,11 +186,13 @@ void Executive::See(const perception::RingObservation& rings) {
   }
   for (const perception::RingSighting& ring : rings.rings) {
     const double ahead_m = geometry_.camera_x_m + ring.distance_m - since_m;
-    // The images of one ring err alike: many of them tell no more than one does, or a wall that laser and IR touch would
-    // no longer be believed against the camera.
-    const double error_m = parameters_.ring_error_m * std::max(1.0, ring.distance_m * ring.distance_m);
+    // The images of one ring err alike: many of them tell no more than one does, or a wall that
+    // laser and IR touch would no longer be believed against the camera.
+    const double error_m =
+        parameters_.ring_error_m * std::max(1.0, ring.distance_m * ring.distance_m);
     if (ring.kind == perception::RingKind::kManholeMouth) {
-      if (!end_wall_seen_ && localiser_.to_end_deviation_m() > error_m) localiser_.SeeEndWall(ahead_m, error_m);
+      if (!end_wall_seen_ && localiser_.to_end_deviation_m() > error_m)
+        localiser_.SeeEndWall(ahead_m, error_m);
       continue;
     }
     // The joint that the map has nearest to where the ring is.
@@ -196,16 +216,19 @@ void Executive::See(const perception::RingObservation& rings) {
 // ---- what follows from it ----
 
 bool Executive::IsJunction() const {
-  return Leg().end_kind != network::ManholeKind::kCurve && Leg().end_kind != network::ManholeKind::kStraight;
+  return Leg().end_kind != network::ManholeKind::kCurve &&
+         Leg().end_kind != network::ManholeKind::kStraight;
 }
 
 double Executive::TurnStart_m() const {
-  return localiser_.length_m() + Leg().StraightBeforeTurn_m() - geometry_.front_axle_x_m - parameters_.turn_lead_m;
+  return localiser_.length_m() + Leg().StraightBeforeTurn_m() - geometry_.front_axle_x_m -
+         parameters_.turn_lead_m;
 }
 
 double Executive::WheelTravelAt(RunTime time) const {
   if (travel_.empty()) return 0.0;
-  const auto after = std::find_if(travel_.begin(), travel_.end(), [&](const auto& entry) { return entry.first >= time; });
+  const auto after = std::find_if(travel_.begin(), travel_.end(),
+                                  [&](const auto& entry) { return entry.first >= time; });
   return after == travel_.end() ? travel_.back().second : after->second;
 }
 
@@ -219,7 +242,9 @@ bool Executive::Silent(const std::optional<RunTime>& heard) const {
 
 bool Executive::Blind() const { return Silent(laser_heard_) && Silent(infrared_heard_); }
 
-void Executive::Report(Event::Kind kind, const std::string& text) { events_.push_back({now_, kind, text}); }
+void Executive::Report(Event::Kind kind, const std::string& text) {
+  events_.push_back({now_, kind, text});
+}
 
 void Executive::Enter(Phase phase, const std::string& why) {
   phase_ = phase;
@@ -240,16 +265,22 @@ void Executive::BeginNextLeg(double distance_m, double deviation_m) {
 
 void Executive::Decide() {
   switch (phase_) {
-    case Phase::kDriving: DecideDriving(); break;
+    case Phase::kDriving:
+      DecideDriving();
+      break;
     case Phase::kBackingUp:
       if (localiser_.distance_m() <= TurnStart_m()) Steer();
       break;
-    case Phase::kTurning: DecideTurning(); break;
+    case Phase::kTurning:
+      DecideTurning();
+      break;
     case Phase::kLeaving:
-      if (localiser_.distance_m() > -geometry_.laser_x_m + Gate(parameters_.wall_error_m)) phase_ = Phase::kDriving;
+      if (localiser_.distance_m() > -geometry_.laser_x_m + Gate(parameters_.wall_error_m))
+        phase_ = Phase::kDriving;
       break;
     case Phase::kArrived:
-    case Phase::kFailed: break;
+    case Phase::kFailed:
+      break;
   }
 }
 
@@ -257,7 +288,8 @@ void Executive::DecideDriving() {
   const double beyond_m = -localiser_.to_end_m();
   if (!end_wall_seen_ && !Blind()) {
     if (beyond_m > Gate(localiser_.to_end_deviation_m()) + 2.0 * Leg().end_shaft_radius_m) {
-      Enter(Phase::kFailed, fmt::format("manhole {} was not found where the map has it", Leg().end_manhole));
+      Enter(Phase::kFailed,
+            fmt::format("manhole {} was not found where the map has it", Leg().end_manhole));
     }
   } else if (OnLastLeg()) {
     if (beyond_m > -geometry_.laser_x_m + kArrivalMargin_m) {
@@ -267,7 +299,8 @@ void Executive::DecideDriving() {
     // The laser usually begins the next leg before this.
     const double through_m = Leg().ThroughManhole_m();
     if (beyond_m > through_m - geometry_.laser_x_m + Gate(parameters_.wall_error_m)) {
-      BeginNextLeg(beyond_m - through_m, std::max(localiser_.to_end_deviation_m(), parameters_.wall_error_m));
+      BeginNextLeg(beyond_m - through_m,
+                   std::max(localiser_.to_end_deviation_m(), parameters_.wall_error_m));
     }
   } else if (junction_seen_ || !IsJunction() || Blind()) {
     BeginTurn();
@@ -279,9 +312,10 @@ void Executive::DecideDriving() {
 void Executive::BeginTurn() {
   const double back_m = localiser_.distance_m() - TurnStart_m();
   if (back_m > Gate(parameters_.wall_error_m)) {
-    Enter(Phase::kBackingUp, fmt::format("{} manhole {}: back up by {:.2f} m",
-                                         junction_seen_ ? "junction confirmed in" : "past the bend in",
-                                         Leg().end_manhole, back_m));
+    Enter(Phase::kBackingUp,
+          fmt::format("{} manhole {}: back up by {:.2f} m",
+                      junction_seen_ ? "junction confirmed in" : "past the bend in",
+                      Leg().end_manhole, back_m));
   } else if (back_m >= 0.0) {
     Steer();
   }
@@ -307,31 +341,40 @@ void Executive::DecideTurning() {
   }
   // Now the base's middle is about where the bend ends.
   BeginNextLeg(-Leg().StraightBeforeTurn_m(), 0.1);
-  Enter(Phase::kLeaving, fmt::format("turned by {:.0f} degrees into pipe {}", turned_rad * 180.0 / std::numbers::pi, Leg().pipe));
+  Enter(Phase::kLeaving, fmt::format("turned by {:.0f} degrees into pipe {}",
+                                     turned_rad * 180.0 / std::numbers::pi, Leg().pipe));
 }
 
 Executive::Drive Executive::Act() const {
   const double roll = attitude_ ? attitude_->roll_rad : 0.0;
   const double roll_rate = attitude_ ? attitude_->roll_rate_rad_s : 0.0;
   // Steering downhill brings the robot back to the invert; the rate term keeps it from swinging.
-  const double upright = Clamp(-parameters_.upright_gain * roll - parameters_.upright_damping_s * roll_rate, 0.5);
+  const double upright =
+      Clamp(-parameters_.upright_gain * roll - parameters_.upright_damping_s * roll_rate, 0.5);
   switch (phase_) {
     case Phase::kDriving: {
       const double margin_m = parameters_.approach_distance_m + localiser_.to_end_deviation_m();
-      const bool near = !end_wall_seen_ && (TurnsHere() || OnLastLeg()) && localiser_.to_end_m() < margin_m;
+      const bool near =
+          !end_wall_seen_ && (TurnsHere() || OnLastLeg()) && localiser_.to_end_m() < margin_m;
       const bool inside = end_wall_seen_ && localiser_.to_end_m() < 0.1;
       // Across a manhole there is no round wall to lean on: hold the heading of its entry.
       const double steer = inside ? Clamp(-parameters_.heading_gain * heading_rad_, 0.5) : upright;
-      return {near || (inside && (TurnsHere() || OnLastLeg())) ? parameters_.approach_m_s : parameters_.cruise_m_s, steer};
+      return {near || (inside && (TurnsHere() || OnLastLeg())) ? parameters_.approach_m_s
+                                                               : parameters_.cruise_m_s,
+              steer};
     }
-    case Phase::kBackingUp: return {-parameters_.reverse_m_s, 0.0};
+    case Phase::kBackingUp:
+      return {-parameters_.reverse_m_s, 0.0};
     case Phase::kTurning: {
       const double left_rad = Leg().turn_rad - heading_rad_;
-      return {parameters_.turn_m_s, parameters_.turn_ratio * Clamp(left_rad / parameters_.turn_easing_rad, 1.0)};
+      return {parameters_.turn_m_s,
+              parameters_.turn_ratio * Clamp(left_rad / parameters_.turn_easing_rad, 1.0)};
     }
-    case Phase::kLeaving: return {parameters_.approach_m_s, upright};
+    case Phase::kLeaving:
+      return {parameters_.approach_m_s, upright};
     case Phase::kArrived:
-    case Phase::kFailed: break;
+    case Phase::kFailed:
+      break;
   }
   return {};
 }

@@ -16,10 +16,11 @@ namespace kantaro::navigation {
 
 /// Where the robot believes to be: on a leg of its route.
 struct Estimate {
-  std::size_t leg{};        ///< index into the route's legs
-  double distance_m{};      ///< of the base's origin from the wall of the manhole where the leg begins
-  double deviation_m{};     ///< standard deviation of the distance
-  double leg_length_m{};    ///< wall to wall, as believed now; a larger distance means inside the end manhole
+  std::size_t leg{};     ///< index into the route's legs
+  double distance_m{};   ///< of the base's origin from the wall of the manhole where the leg begins
+  double deviation_m{};  ///< standard deviation of the distance
+  double leg_length_m{};  ///< wall to wall, as believed now; a larger distance means inside the end
+                          ///< manhole
 };
 
 /// What the executive is doing.
@@ -34,29 +35,35 @@ struct Event {
   std::string text;
 };
 
-/// Follows a route by landmarks: a pure step from observation to command. It calls no clock and knows no truth.
+/// Follows a route by landmarks: a pure step from observation to command. It calls no clock and
+/// knows no truth.
 ///
-/// Where it is: wheel travel, corrected where laser and IR pass the walls of manholes and inlets and where joints and
-/// mouths come up in the camera (thesis 4.3, 5.5). How it turns at a junction: the laser at the rear sees the junction
-/// only when the robot has entered it, so it backs up as far as the geometry needs and then turns through the channel
-/// (thesis 5.6). At a curve, which leaves no choice, it steers as soon as the front wheels reach the bend; it backs up
-/// only where the manhole was found too late for that, as by the laser alone. In a pipe it keeps itself upright by
-/// steering against its roll.
+/// Where it is: wheel travel, corrected where laser and IR pass the walls of manholes and inlets
+/// and where joints and mouths come up in the camera (thesis 4.3, 5.5). How it turns at a junction:
+/// the laser at the rear sees the junction only when the robot has entered it, so it backs up as
+/// far as the geometry needs and then turns through the channel (thesis 5.6). At a curve, which
+/// leaves no choice, it steers as soon as the front wheels reach the bend; it backs up only where
+/// the manhole was found too late for that, as by the laser alone. In a pipe it keeps itself
+/// upright by steering against its roll.
 ///
-/// It makes a turn only where laser or IR confirms the manhole. With both silent nothing can; then it trusts wheels and
-/// map and acts at the map's distances.
+/// It makes a turn only where laser or IR confirms the manhole. With both silent nothing can; then
+/// it trusts wheels and map and acts at the map's distances.
 class Executive {
  public:
-  /// @param start_distance_m  of the base's origin from the start manhole's wall along the first leg, as set down.
+  /// @param start_distance_m  of the base's origin from the start manhole's wall along the first
+  /// leg, as set down.
   /// @throws std::invalid_argument for a route without legs.
-  Executive(MapRoute route, double start_distance_m, const RobotGeometry& geometry, const Parameters& parameters);
+  Executive(MapRoute route, double start_distance_m, const RobotGeometry& geometry,
+            const Parameters& parameters);
 
   /// Takes one observation, in order of arrival; the command holds until the next.
   [[nodiscard]] robot::Command Step(const perception::Observation& observation);
 
   [[nodiscard]] Estimate estimate() const;
   [[nodiscard]] Phase phase() const { return phase_; }
-  [[nodiscard]] bool finished() const { return phase_ == Phase::kArrived || phase_ == Phase::kFailed; }
+  [[nodiscard]] bool finished() const {
+    return phase_ == Phase::kArrived || phase_ == Phase::kFailed;
+  }
   [[nodiscard]] const MapRoute& route() const { return route_; }
   /// Diameter of the pipe the robot believes to be in [m], for perception.
   [[nodiscard]] double pipe_diameter_m() const { return Leg().diameter_m; }
@@ -64,7 +71,8 @@ class Executive {
   [[nodiscard]] std::vector<Event> TakeEvents();
 
  private:
-  /// Steering as a share of the speed: the left wheels run at (1 − s) times it, the right at (1 + s).
+  /// Steering as a share of the speed: the left wheels run at (1 − s) times it, the right at (1 +
+  /// s).
   struct Drive {
     double speed_m_s{};
     double steer{};
@@ -102,15 +110,18 @@ class Executive {
   [[nodiscard]] double TurnStart_m() const;
   /// Within the memory of `travel_`; the oldest before that.
   [[nodiscard]] double WheelTravelAt(robot::RunTime time) const;
-  /// What to add to the distance while turning, as wheel travel. Wheels that skid round tell nothing of the way: it is
-  /// taken in proportion to the heading, from the turn's start to the bend's end.
+  /// What to add to the distance while turning, as wheel travel. Wheels that skid round tell
+  /// nothing of the way: it is taken in proportion to the heading, from the turn's start to the
+  /// bend's end.
   [[nodiscard]] double ProgressInTurn_m() const;
   /// Wheel travel since an earlier time, times the learned scale.
   [[nodiscard]] double TravelSince(robot::RunTime time) const;
   [[nodiscard]] bool Silent(const std::optional<robot::RunTime>& heard) const;
   /// No sensor that could confirm a landmark is left.
   [[nodiscard]] bool Blind() const;
-  [[nodiscard]] double Gate(double deviation_m) const { return parameters_.gate_deviations * deviation_m; }
+  [[nodiscard]] double Gate(double deviation_m) const {
+    return parameters_.gate_deviations * deviation_m;
+  }
 
   MapRoute route_;
   RobotGeometry geometry_;
@@ -122,17 +133,20 @@ class Executive {
   Phase phase_{Phase::kDriving};
   robot::RunTime now_{};
   std::optional<robot::RunTime> laser_heard_, infrared_heard_;
-  std::deque<std::pair<robot::RunTime, double>> travel_;   ///< of the last two seconds: (time, wheel travel)
+  std::deque<std::pair<robot::RunTime, double>>
+      travel_;  ///< of the last two seconds: (time, wheel travel)
   std::optional<perception::AttitudeObservation> attitude_;
 
-  bool end_wall_seen_{};        ///< by laser or IR, on this leg
-  bool junction_seen_{};        ///< on the side of the turn
-  bool top_open_{};             ///< to the laser, settled
-  std::optional<double> side_opened_left_, side_opened_right_;   ///< wheel travel where the window opened
+  bool end_wall_seen_{};  ///< by laser or IR, on this leg
+  bool junction_seen_{};  ///< on the side of the turn
+  bool top_open_{};       ///< to the laser, settled
+  std::optional<double> side_opened_left_,
+      side_opened_right_;  ///< wheel travel where the window opened
   bool infrared_up_{};
-  double heading_rad_{};        ///< turned since the last manoeuvre began or, driving, since the manhole was entered
-  double turn_began_m_{};           ///< distance at which the turn began
-  double rolled_before_turn_m_{};   ///< wheel travel then
+  double heading_rad_{};   ///< turned since the last manoeuvre began or, driving, since the manhole
+                           ///< was entered
+  double turn_began_m_{};  ///< distance at which the turn began
+  double rolled_before_turn_m_{};  ///< wheel travel then
   std::vector<Event> events_;
 };
 

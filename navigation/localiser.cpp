@@ -13,7 +13,8 @@ double Square(double value) { return value * value; }
 
 }  // namespace
 
-Localiser::Localiser(const MapLeg& leg, double distance_m, const Parameters& parameters) : parameters_(parameters) {
+Localiser::Localiser(const MapLeg& leg, double distance_m, const Parameters& parameters)
+    : parameters_(parameters) {
   x_(2) = 1.0;
   P_(2, 2) = Square(parameters.scale_error);
   Begin(leg, distance_m, parameters.start_error_m);
@@ -38,7 +39,8 @@ void Localiser::Advance(double wheel_travel_m) {
   P_(0, 0) += Square(parameters_.travel_error) * std::abs(wheel_travel_m);
 }
 
-bool Localiser::Update(const Eigen::RowVector3d& h, double measured, double deviation, double gate_deviations) {
+bool Localiser::Update(const Eigen::RowVector3d& h, double measured, double deviation,
+                       double gate_deviations) {
   const double innovation = measured - h * x_;
   const double variance = h * P_ * h.transpose() + Square(deviation);
   if (std::abs(innovation) > gate_deviations * std::sqrt(variance)) return false;
@@ -58,10 +60,13 @@ bool Localiser::SeeStartWall(double behind_m, double deviation_m) {
 }
 
 bool Localiser::SeeLandmark(double mapped_m, double ahead_m, double deviation_m) {
-  return Update({-1.0, mapped_m / mapped_length_m_, 0.0}, ahead_m, deviation_m, parameters_.gate_deviations);
+  return Update({-1.0, mapped_m / mapped_length_m_, 0.0}, ahead_m, deviation_m,
+                parameters_.gate_deviations);
 }
 
-void Localiser::SeeScale(double scale, double deviation) { Update({0.0, 0.0, 1.0}, scale, deviation, kNoGate); }
+void Localiser::SeeScale(double scale, double deviation) {
+  Update({0.0, 0.0, 1.0}, scale, deviation, kNoGate);
+}
 
 double Localiser::deviation_m() const { return std::sqrt(P_(0, 0)); }
 

@@ -16,10 +16,12 @@ using network::Manhole;
 using network::Network;
 using network::Pipe;
 
-/// Default centre-line radius of a curved channel, in shaft radii (as sewers are built here, docs/network_format.md).
+/// Default centre-line radius of a curved channel, in shaft radii (as sewers are built here,
+/// docs/network_format.md).
 constexpr double kChannelRadiusRatio = 0.66;
 
-std::vector<MapLandmark> Landmarks(const Pipe& pipe, bool downstream, double length_m, double factor) {
+std::vector<MapLandmark> Landmarks(const Pipe& pipe, bool downstream, double length_m,
+                                   double factor) {
   std::vector<MapLandmark> landmarks;
   const auto add = [&](LandmarkKind kind, double chainage_m) {
     landmarks.push_back({kind, factor * (downstream ? chainage_m : length_m - chainage_m)});
@@ -29,8 +31,9 @@ std::vector<MapLandmark> Landmarks(const Pipe& pipe, bool downstream, double len
     const bool right = (inlet.clock_h < 6.0) == downstream;
     add(right ? LandmarkKind::kInletRight : LandmarkKind::kInletLeft, inlet.chainage_m);
   }
-  std::stable_sort(landmarks.begin(), landmarks.end(),
-                   [](const MapLandmark& a, const MapLandmark& b) { return a.distance_m < b.distance_m; });
+  std::stable_sort(
+      landmarks.begin(), landmarks.end(),
+      [](const MapLandmark& a, const MapLandmark& b) { return a.distance_m < b.distance_m; });
   return landmarks;
 }
 
@@ -57,7 +60,8 @@ void PlanTurn(const Network& network, MapLeg& leg, const MapLeg& next) {
   const double turn = std::atan2(in.x() * out.y() - in.y() * out.x(), in.dot(out));
   if (std::abs(turn) < kStraightOn_rad) return;
   leg.turn_rad = turn;
-  const double wanted = manhole.channel_radius_m.value_or(kChannelRadiusRatio * leg.end_shaft_radius_m);
+  const double wanted =
+      manhole.channel_radius_m.value_or(kChannelRadiusRatio * leg.end_shaft_radius_m);
   leg.channel_radius_m = std::min(wanted, leg.end_shaft_radius_m / std::tan(std::abs(turn) / 2.0));
 }
 
@@ -78,15 +82,17 @@ MapRoute MakeRoute(const Network& network, const std::vector<std::string>& manho
   for (std::size_t i = 0; i + 1 < manholes.size(); ++i) {
     const auto legs = network::ShortestRoute(network, manholes[i], manholes[i + 1]);
     if (legs.empty()) {
-      throw std::invalid_argument(
-          fmt::format("there is no way for the robot from \"{}\" to \"{}\"", manholes[i], manholes[i + 1]));
+      throw std::invalid_argument(fmt::format("there is no way for the robot from \"{}\" to \"{}\"",
+                                              manholes[i], manholes[i + 1]));
     }
     for (const network::RouteLeg& leg : legs) {
       const auto factor = length_factor.find(leg.pipe);
-      route.legs.push_back(MakeLeg(network, leg, factor == length_factor.end() ? 1.0 : factor->second));
+      route.legs.push_back(
+          MakeLeg(network, leg, factor == length_factor.end() ? 1.0 : factor->second));
     }
   }
-  for (std::size_t i = 0; i + 1 < route.legs.size(); ++i) PlanTurn(network, route.legs[i], route.legs[i + 1]);
+  for (std::size_t i = 0; i + 1 < route.legs.size(); ++i)
+    PlanTurn(network, route.legs[i], route.legs[i + 1]);
   return route;
 }
 

@@ -7,7 +7,9 @@
 namespace kantaro::navigation {
 
 RobotGeometry RobotGeometry::Of(const robot::Description& description) {
-  const auto x = [&](const std::string& link) { return description.PoseInBase(link).translation().x(); };
+  const auto x = [&](const std::string& link) {
+    return description.PoseInBase(link).translation().x();
+  };
   RobotGeometry geometry;
   geometry.laser_x_m = x(description.laser.link);
   geometry.infrared_x_m = x(description.ir_up.link);
@@ -21,7 +23,8 @@ RobotGeometry RobotGeometry::Of(const robot::Description& description) {
 
 Parameters ReadParameters(const std::filesystem::path& file) {
   const YamlNode root = YamlNode::Load(file);
-  root.AllowOnly({"speeds", "approach_distance_m", "gate_deviations", "turn", "steering", "errors", "silence_s"});
+  root.AllowOnly({"speeds", "approach_distance_m", "gate_deviations", "turn", "steering", "errors",
+                  "silence_s"});
   const YamlNode speeds = root["speeds"];
   speeds.AllowOnly({"cruise_m_s", "approach_m_s", "reverse_m_s", "turn_m_s"});
   const YamlNode turn = root["turn"];

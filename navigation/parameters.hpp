@@ -12,7 +12,7 @@ struct RobotGeometry {
   double infrared_x_m{};
   double camera_x_m{};
   double front_axle_x_m{};
-  double tyre_radius_m{};     ///< nominal: wheel speed = speed / radius
+  double tyre_radius_m{};  ///< nominal: wheel speed = speed / radius
 
   [[nodiscard]] static RobotGeometry Of(const robot::Description& description);
 };
@@ -20,23 +20,24 @@ struct RobotGeometry {
 /// models/kantaro/navigation.yaml: what each number is for stands there.
 struct Parameters {
   double cruise_m_s{}, approach_m_s{}, reverse_m_s{}, turn_m_s{};
-  double approach_distance_m{};        ///< before the end wall: slow down
+  double approach_distance_m{};  ///< before the end wall: slow down
   double gate_deviations{};
-  double turn_ratio{};                 ///< inner wheels run at (1 − ratio), outer at (1 + ratio)
-  double turn_easing_rad{};            ///< the ratio fades over the last so much of the turn
-  double upright_gain{};               ///< steering (share of speed) per roll [1/rad]
-  double upright_damping_s{};          ///< and per roll rate [s/rad]
-  double heading_gain{};               ///< steering per heading error while crossing a manhole [1/rad]
-  double turn_lead_m{};                ///< steering begins this far before the front axle reaches the bend
-  double turn_tolerance_rad{};         ///< the turn ends this much short of its angle: the channel does the rest
-  double map_error{};                  ///< standard deviation of a pipe's length over its length
-  double travel_error{};               ///< of the wheels' travel over the travel: slip that is not constant
-  double scale_error{};                ///< of the constant part, before anything was learned
+  double turn_ratio{};          ///< inner wheels run at (1 − ratio), outer at (1 + ratio)
+  double turn_easing_rad{};     ///< the ratio fades over the last so much of the turn
+  double upright_gain{};        ///< steering (share of speed) per roll [1/rad]
+  double upright_damping_s{};   ///< and per roll rate [s/rad]
+  double heading_gain{};        ///< steering per heading error while crossing a manhole [1/rad]
+  double turn_lead_m{};         ///< steering begins this far before the front axle reaches the bend
+  double turn_tolerance_rad{};  ///< the turn ends this much short of its angle: the channel does
+                                ///< the rest
+  double map_error{};           ///< standard deviation of a pipe's length over its length
+  double travel_error{};  ///< of the wheels' travel over the travel: slip that is not constant
+  double scale_error{};   ///< of the constant part, before anything was learned
   double start_error_m{};
-  double wall_error_m{};               ///< of a shaft wall found by laser or IR
+  double wall_error_m{};  ///< of a shaft wall found by laser or IR
   double inlet_error_m{};
-  double ring_error_m{};               ///< of a ring's distance in the camera, at 1 m; grows with the distance
-  double silence_s{};                  ///< a sensor that says nothing for so long is taken as lost
+  double ring_error_m{};  ///< of a ring's distance in the camera, at 1 m; grows with the distance
+  double silence_s{};     ///< a sensor that says nothing for so long is taken as lost
 };
 
 /// @throws InputError

@@ -7,17 +7,19 @@
 namespace kantaro::navigation {
 namespace {
 
-constexpr double kSameRing_m = 0.08;      ///< between where a ring is expected and where it is seen
-constexpr int kMostMissed = 2;            ///< frames
+constexpr double kSameRing_m = 0.08;  ///< between where a ring is expected and where it is seen
+constexpr int kMostMissed = 2;        ///< frames
 constexpr std::size_t kLeastSightings = 5;
 constexpr double kLeastTravel_m = 0.25;
-constexpr double kLeastError_m = 0.01;    ///< of one distance: residuals of a few points flatter
+constexpr double kLeastError_m = 0.01;  ///< of one distance: residuals of a few points flatter
 
 }  // namespace
 
-std::optional<ScaleSighting> FitScale(const std::vector<double>& travel_m, const std::vector<double>& distance_m) {
+std::optional<ScaleSighting> FitScale(const std::vector<double>& travel_m,
+                                      const std::vector<double>& distance_m) {
   const std::size_t count = travel_m.size();
-  if (count < kLeastSightings || std::abs(travel_m.back() - travel_m.front()) < kLeastTravel_m) return std::nullopt;
+  if (count < kLeastSightings || std::abs(travel_m.back() - travel_m.front()) < kLeastTravel_m)
+    return std::nullopt;
   const double n = static_cast<double>(count);
   const double mean_travel = std::accumulate(travel_m.begin(), travel_m.end(), 0.0) / n;
   const double mean_distance = std::accumulate(distance_m.begin(), distance_m.end(), 0.0) / n;

@@ -6,8 +6,8 @@
 
 namespace kantaro::robot {
 
-/// The one boundary between the robot's code and its body. Owns the clock: nothing above it reads one or sleeps.
-/// One caller at a time; an instance is one run.
+/// The one boundary between the robot's code and its body. Owns the clock: nothing above it reads
+/// one or sleeps. One caller at a time; an instance is one run.
 class Hardware {
  public:
   Hardware() = default;
@@ -15,11 +15,13 @@ class Hardware {
   Hardware& operator=(const Hardware&) = delete;
   virtual ~Hardware() = default;
 
-  /// Lets time pass until the next reading arrives and returns it. Arrival times never decrease, and no reading
-  /// arrives before its capture. Absent when the run is over (out of time, or the recording has ended).
+  /// Lets time pass until the next reading arrives and returns it. Arrival times never decrease,
+  /// and no reading arrives before its capture. Absent when the run is over (out of time, or the
+  /// recording has ended).
   [[nodiscard]] virtual std::optional<Reading> Read() = 0;
 
-  /// Takes effect at Now(). @throws std::invalid_argument for NaN, or lights outside 0 … 1. Wheel speeds above the motors' limit are clamped.
+  /// Takes effect at Now(). @throws std::invalid_argument for NaN, or lights outside 0 … 1. Wheel
+  /// speeds above the motors' limit are clamped.
   virtual void Apply(const Command& command) = 0;
 
   /// Time of the last reading handed over; zero before the first.

@@ -13,7 +13,9 @@ namespace kantaro::robot {
 using RunTime = std::chrono::nanoseconds;
 
 /// Seconds as a number, for arithmetic.
-[[nodiscard]] inline double Seconds(RunTime time) { return std::chrono::duration<double>(time).count(); }
+[[nodiscard]] inline double Seconds(RunTime time) {
+  return std::chrono::duration<double>(time).count();
+}
 
 enum class RangeStatus { kValid, kTooNear, kTooFar };
 
@@ -29,10 +31,11 @@ struct StereoPair {
 
 /// One beam of the laser scanner.
 struct LaserSample {
-  /// Angle about +Lx [rad], 0 <= a < 2π: 0 to the right (−Ly), π/2 up (+Lz), π to the left. The rotation
-  /// starts from the horizontal line and runs counterclockwise, seen from behind the robot (thesis fig 5.26).
+  /// Angle about +Lx [rad], 0 <= a < 2π: 0 to the right (−Ly), π/2 up (+Lz), π to the left. The
+  /// rotation starts from the horizontal line and runs counterclockwise, seen from behind the robot
+  /// (thesis fig 5.26).
   double angle_rad{};
-  double range_m{};          ///< along the beam; the limit that was passed if not valid
+  double range_m{};  ///< along the beam; the limit that was passed if not valid
   RangeStatus status{RangeStatus::kTooFar};
 };
 
@@ -43,7 +46,8 @@ struct LaserRevolution {
 
 /// One IR reading. The beam starts at the sensor origin So and runs along +Sx.
 struct IrReading {
-  double value{};   ///< the sensor's own output, 0 to 1, falling with distance; thresholds apply to it (thesis 4.3)
+  double value{};  ///< the sensor's own output, 0 to 1, falling with distance; thresholds apply to
+                   ///< it (thesis 4.3)
 };
 
 /// The three IR sensors, read together (thesis fig 4.6).
@@ -53,7 +57,7 @@ struct IrRanges {
 
 /// Encoder angles since power-on [rad], positive rolling forward.
 struct WheelEncoders {
-  std::array<double, 4> angle_rad{};   ///< front left, front right, rear left, rear right
+  std::array<double, 4> angle_rad{};  ///< front left, front right, rear left, rear right
 };
 
 /// Gyro and accelerometer in the base frame B.
@@ -64,16 +68,18 @@ struct InertialReading {
 
 /// What the hardware hands over.
 struct Reading {
-  RunTime captured_at{};   ///< when the light or the angle was measured (a laser revolution: its last beam)
-  RunTime arrived_at{};    ///< when it was handed over, captured_at + latency
-  std::variant<FrontImage, StereoPair, LaserRevolution, IrRanges, WheelEncoders, InertialReading> value;
+  RunTime captured_at{};  ///< when the light or the angle was measured (a laser revolution: its
+                          ///< last beam)
+  RunTime arrived_at{};   ///< when it was handed over, captured_at + latency
+  std::variant<FrontImage, StereoPair, LaserRevolution, IrRanges, WheelEncoders, InertialReading>
+      value;
 };
 
 /// What the robot is told to do; holds until the next command.
 struct Command {
-  double left_rad_s{};    ///< speed of both left wheels, positive forward
+  double left_rad_s{};  ///< speed of both left wheels, positive forward
   double right_rad_s{};
-  double lights{1.0};     ///< LED brightness, 0 to 1
+  double lights{1.0};  ///< LED brightness, 0 to 1
 };
 
 }  // namespace kantaro::robot

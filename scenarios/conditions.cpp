@@ -36,7 +36,8 @@ Conditions DrawConditions(const Scenario& scenario, std::uint64_t seed) {
   conditions.light = Draw(seed, "light", variation.light.low, variation.light.high);
   conditions.motor_mismatch = DrawEitherWay(seed, "motor_mismatch", variation.motor_mismatch);
   // An old plan is wrong as a whole, by its scale, and a little differently in each pipe.
-  const double scale_error = Draw(seed, "map_error", 0.6 * variation.map_error, 0.9 * variation.map_error);
+  const double scale_error =
+      Draw(seed, "map_error", 0.6 * variation.map_error, 0.9 * variation.map_error);
   const bool too_long = Draw(seed, "map_error.sign", 0.0, 1.0) < 0.5;
   for (const network::Pipe& pipe : network.pipes) {
     conditions.map_scale[pipe.name] =

@@ -31,10 +31,11 @@ struct Variation {
   double start_offset_m{};      ///< the start moves along the pipe by up to this, either way
   double start_yaw_rad{};       ///< and turns by up to this, either way
   Interval friction{0.7, 0.7};  ///< tyre on wall; dry plastic
-  double motor_mismatch{};   ///< left motors run faster and right ones slower by up to this share,
-                             ///< or the reverse
-  double map_error{};        ///< the map's pipe lengths are off by up to this share, all too long or all too short
-  bool texture{false};       ///< every seed has its own wall texture
+  double motor_mismatch{};  ///< left motors run faster and right ones slower by up to this share,
+                            ///< or the reverse
+  double map_error{};   ///< the map's pipe lengths are off by up to this share, all too long or all
+                        ///< too short
+  bool texture{false};  ///< every seed has its own wall texture
   Interval light{1.0, 1.0};  ///< brightness of the robot's lights against their nominal
 };
 

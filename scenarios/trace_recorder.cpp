@@ -66,7 +66,8 @@ double WrapClock(double clock_h) {
 }
 
 /// The point of a manhole's channel, in plan, so far along it from the wall where a leg ends.
-Eigen::Vector2d ChannelPoint(const network::PipeAxis& axis, const navigation::MapLeg& leg, double inside_m) {
+Eigen::Vector2d ChannelPoint(const network::PipeAxis& axis, const navigation::MapLeg& leg,
+                             double inside_m) {
   const Eigen::Isometry3d X_WWall = axis.PoseAt(leg.downstream ? axis.length_m() : 0.0);
   const Eigen::Vector2d forward =
       (leg.downstream ? 1.0 : -1.0) * X_WWall.linear().col(0).head<2>().normalized();
@@ -190,11 +191,17 @@ void TraceRecorder::Sample(double time_s, const sim::GroundTruth& truth,
   trace_.estimate.push_back(Believed(time_s, executive));
 }
 
-EstimateSample TraceRecorder::Believed(double time_s, const navigation::Executive& executive) const {
+EstimateSample TraceRecorder::Believed(double time_s,
+                                       const navigation::Executive& executive) const {
   const navigation::Estimate estimate = executive.estimate();
   const navigation::MapLeg& leg = executive.route().legs[estimate.leg];
-  EstimateSample sample{time_s, leg.pipe, ChainageOf(leg, estimate.distance_m), estimate.deviation_m,
-                        ToString(executive.phase()), executive.phase() == navigation::Phase::kTurning, {}};
+  EstimateSample sample{time_s,
+                        leg.pipe,
+                        ChainageOf(leg, estimate.distance_m),
+                        estimate.deviation_m,
+                        ToString(executive.phase()),
+                        executive.phase() == navigation::Phase::kTurning,
+                        {}};
   const double inside_m = estimate.distance_m - estimate.leg_length_m;
   if (inside_m <= 0.0) return sample;
   const network::PipeAxis axis(world_, world_.PipeNamed(leg.pipe));

@@ -39,7 +39,8 @@ class TraceRecorder {
   /// Chainage in the true pipe of a distance along a leg (see EstimateSample::chainage_m).
   [[nodiscard]] double ChainageOf(const navigation::MapLeg& leg, double distance_m) const;
   /// Where the robot thinks it is, in the true network.
-  [[nodiscard]] EstimateSample Believed(double time_s, const navigation::Executive& executive) const;
+  [[nodiscard]] EstimateSample Believed(double time_s,
+                                        const navigation::Executive& executive) const;
   [[nodiscard]] std::string Thumbnail(const perception::FaultCandidate& candidate,
                                       double pipe_diameter_m) const;
 

@@ -10,7 +10,8 @@ namespace kantaro::sim {
 CameraRig::CameraRig(std::shared_ptr<const Scenery> scenery, int threads) {
   if (threads < 1) throw std::invalid_argument("cameras need at least one render thread");
   for (int i = 0; i < threads; ++i) renderers_.push_back(std::make_unique<Renderer>(scenery));
-  for (const auto& renderer : renderers_) threads_.emplace_back([this, &renderer] { Work(*renderer); });
+  for (const auto& renderer : renderers_)
+    threads_.emplace_back([this, &renderer] { Work(*renderer); });
 }
 
 CameraRig::~CameraRig() {
@@ -21,8 +22,8 @@ CameraRig::~CameraRig() {
   work_.notify_all();
 }
 
-std::future<cv::Mat> CameraRig::Capture(const CameraView& view, const Lamps& lamps, std::uint64_t seed,
-                                        const std::string& noise_stream) {
+std::future<cv::Mat> CameraRig::Capture(const CameraView& view, const Lamps& lamps,
+                                        std::uint64_t seed, const std::string& noise_stream) {
   Job job([view, lamps, seed, noise_stream](Renderer& renderer) {
     cv::Mat image = renderer.Render(view, lamps);
     RandomStream noise(seed, noise_stream);

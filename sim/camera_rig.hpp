@@ -15,8 +15,8 @@
 
 namespace kantaro::sim {
 
-/// Draws camera images on worker threads while the physics goes on. An image depends on its view, its lamps and its
-/// noise seed alone, never on the thread or the order.
+/// Draws camera images on worker threads while the physics goes on. An image depends on its view,
+/// its lamps and its noise seed alone, never on the thread or the order.
 class CameraRig {
  public:
   /// @throws RenderingUnavailable. @throws std::invalid_argument for less than one thread.
@@ -26,8 +26,8 @@ class CameraRig {
   CameraRig& operator=(const CameraRig&) = delete;
 
   /// @param noise_stream  names the sensor noise of this one image.
-  [[nodiscard]] std::future<cv::Mat> Capture(const CameraView& view, const Lamps& lamps, std::uint64_t seed,
-                                             const std::string& noise_stream);
+  [[nodiscard]] std::future<cv::Mat> Capture(const CameraView& view, const Lamps& lamps,
+                                             std::uint64_t seed, const std::string& noise_stream);
 
  private:
   using Job = std::packaged_task<cv::Mat(Renderer&)>;

@@ -18,8 +18,8 @@ using Eigen::Vector3d;
 constexpr double kBoxSeparation_m = 0.1;
 const double kSameNormal = std::cos(25.0 * std::numbers::pi / 180.0);
 
-/// Collects the local minima of one shape and keeps the deepest that are distinct: their normals differ by more than
-/// 25°, or they lie further apart than `separation`.
+/// Collects the local minima of one shape and keeps the deepest that are distinct: their normals
+/// differ by more than 25°, or they lie further apart than `separation`.
 class Contacts {
  public:
   explicit Contacts(double separation_m) : separation_m_(separation_m) {}
@@ -28,8 +28,9 @@ class Contacts {
 
   /// Deepest first.
   std::vector<WallContact> Take() {
-    std::sort(contacts_.begin(), contacts_.end(),
-              [](const WallContact& a, const WallContact& b) { return a.distance_m < b.distance_m; });
+    std::sort(contacts_.begin(), contacts_.end(), [](const WallContact& a, const WallContact& b) {
+      return a.distance_m < b.distance_m;
+    });
     std::vector<WallContact> distinct;
     for (const WallContact& contact : contacts_) {
       const bool seen = std::any_of(distinct.begin(), distinct.end(), [&](const WallContact& kept) {
@@ -47,17 +48,24 @@ class Contacts {
 };
 
 /// Local minima of the wall distance along a curve p(t), searched between samples.
-/// `speed` bounds |dp/dt|; a stretch is split until it cannot hold a contact or is shorter than `finest`.
+/// `speed` bounds |dp/dt|; a stretch is split until it cannot hold a contact or is shorter than
+/// `finest`.
 template <typename Curve>
 class CurveSearch {
  public:
-  CurveSearch(const Nearby& nearby, const Curve& curve, double speed, double rounding, double margin, Contacts& contacts)
-      : nearby_(nearby), curve_(curve), speed_(speed), rounding_(rounding), margin_(margin), contacts_(contacts) {}
+  CurveSearch(const Nearby& nearby, const Curve& curve, double speed, double rounding,
+              double margin, Contacts& contacts)
+      : nearby_(nearby),
+        curve_(curve),
+        speed_(speed),
+        rounding_(rounding),
+        margin_(margin),
+        contacts_(contacts) {}
 
   struct Sample {
     double t{};
     Wall wall;
-    double slope{};   ///< of the wall distance along the curve
+    double slope{};  ///< of the wall distance along the curve
   };
 
   Sample At(double t) const {
@@ -90,7 +98,8 @@ class CurveSearch {
     const double distance = sample.wall.distance_m - rounding_;
     if (distance > margin_) return;
     const Vector3d p = curve_.Point(sample.t);
-    contacts_.Offer({distance, p - sample.wall.normal_W * (rounding_ + 0.5 * distance), sample.wall.normal_W});
+    contacts_.Offer(
+        {distance, p - sample.wall.normal_W * (rounding_ + 0.5 * distance), sample.wall.normal_W});
   }
 
  private:
@@ -107,8 +116,8 @@ class CurveSearch {
     Offer(best);
   }
 
-  static constexpr double kCap_m = 0.08;     // beyond it only "far" matters
-  static constexpr double kTrust = 0.85;     // walls taken as flat look a little too far from afar
+  static constexpr double kCap_m = 0.08;  // beyond it only "far" matters
+  static constexpr double kTrust = 0.85;  // walls taken as flat look a little too far from afar
   static constexpr double kFinest_m = 0.007;
 
   const Nearby& nearby_;
@@ -118,7 +127,7 @@ class CurveSearch {
 };
 
 struct Circle {
-  Vector3d center, u, v;    // u, v scaled by the radius
+  Vector3d center, u, v;  // u, v scaled by the radius
   Vector3d Point(double t) const { return center + std::cos(t) * u + std::sin(t) * v; }
   Vector3d Tangent(double t) const { return -std::sin(t) * u + std::cos(t) * v; }
 };
@@ -129,9 +138,11 @@ struct Segment {
   Vector3d Tangent(double) const { return along; }
 };
 
-void SearchSegment(const Nearby& nearby, const Vector3d& start, const Vector3d& end, double margin, Contacts& contacts) {
+void SearchSegment(const Nearby& nearby, const Vector3d& start, const Vector3d& end, double margin,
+                   Contacts& contacts) {
   const Segment segment{start, end - start};
-  const CurveSearch<Segment> search(nearby, segment, segment.along.norm(), kBoxRounding_m, margin, contacts);
+  const CurveSearch<Segment> search(nearby, segment, segment.along.norm(), kBoxRounding_m, margin,
+                                    contacts);
   const auto first = search.At(0.0);
   const auto last = search.At(1.0);
   search.Search(first, last);
@@ -154,7 +165,8 @@ int Fill(const std::vector<WallContact>& contacts, mjContact* out) {
   return static_cast<int>(contacts.size());
 }
 
-/// The fields of the models in use. Guarded: the one piece of shared state, because MuJoCo's table has no user pointer.
+/// The fields of the models in use. Guarded: the one piece of shared state, because MuJoCo's table
+/// has no user pointer.
 class Registry {
  public:
   void Add(const mjModel* model, const VoidField* field) {
@@ -181,29 +193,35 @@ Registry& TheRegistry() {
   return registry;
 }
 
-int CollideWheel(const mjModel* model, const mjData* data, mjContact* out, int /*wall*/, int wheel, mjtNum margin) {
+int CollideWheel(const mjModel* model, const mjData* data, mjContact* out, int /*wall*/, int wheel,
+                 mjtNum margin) {
   const VoidField* field = TheRegistry().Find(model);
   if (field == nullptr) return 0;
   const mjtNum* R_WG = data->geom_xmat + 9 * wheel;
   const double tread = model->geom_user[static_cast<std::ptrdiff_t>(model->nuser_geom) * wheel];
-  const Torus torus{ToEigen(data->geom_xpos + 3 * wheel), {R_WG[2], R_WG[5], R_WG[8]},
-                    model->geom_size[3 * wheel] - tread, tread};
+  const Torus torus{ToEigen(data->geom_xpos + 3 * wheel),
+                    {R_WG[2], R_WG[5], R_WG[8]},
+                    model->geom_size[3 * wheel] - tread,
+                    tread};
   return Fill(TorusContacts(*field, torus, margin), out);
 }
 
-int CollideBox(const mjModel* model, const mjData* data, mjContact* out, int /*wall*/, int box, mjtNum margin) {
+int CollideBox(const mjModel* model, const mjData* data, mjContact* out, int /*wall*/, int box,
+               mjtNum margin) {
   const VoidField* field = TheRegistry().Find(model);
   if (field == nullptr) return 0;
   SolidBox solid;
   solid.half_m = ToEigen(model->geom_size + 3 * box);
   solid.X_WB.translation() = ToEigen(data->geom_xpos + 3 * box);
-  solid.X_WB.linear() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(data->geom_xmat + 9 * box);
+  solid.X_WB.linear() =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(data->geom_xmat + 9 * box);
   return Fill(BoxContacts(*field, solid, margin), out);
 }
 
 }  // namespace
 
-std::vector<WallContact> TorusContacts(const VoidField& field, const Torus& torus, double margin_m) {
+std::vector<WallContact> TorusContacts(const VoidField& field, const Torus& torus,
+                                       double margin_m) {
   const Nearby nearby = field.Around(torus.p_WT, torus.ring_m + torus.tread_m + margin_m);
   Circle circle{torus.p_WT, torus.axis_W.unitOrthogonal() * torus.ring_m, Vector3d::Zero()};
   circle.v = torus.axis_W.cross(circle.u);
@@ -223,14 +241,19 @@ std::vector<WallContact> TorusContacts(const VoidField& field, const Torus& toru
 }
 
 std::vector<WallContact> BoxContacts(const VoidField& field, const SolidBox& box, double margin_m) {
-  const Nearby nearby = field.Around(box.X_WB.translation(), std::min(box.half_m.norm() + margin_m, VoidField::kLargestReach_m));
+  const Nearby nearby = field.Around(
+      box.X_WB.translation(), std::min(box.half_m.norm() + margin_m, VoidField::kLargestReach_m));
   const Vector3d inner = (box.half_m.array() - kBoxRounding_m).max(0.0);
-  const auto corner = [&](double x, double y, double z) { return Vector3d(box.X_WB * inner.cwiseProduct(Vector3d(x, y, z))); };
+  const auto corner = [&](double x, double y, double z) {
+    return Vector3d(box.X_WB * inner.cwiseProduct(Vector3d(x, y, z)));
+  };
   Contacts contacts(kBoxSeparation_m);
-  const auto search = [&](const Vector3d& a, const Vector3d& b) { SearchSegment(nearby, a, b, margin_m, contacts); };
+  const auto search = [&](const Vector3d& a, const Vector3d& b) {
+    SearchSegment(nearby, a, b, margin_m, contacts);
+  };
   for (const double i : {-1.0, 0.0, 1.0}) {
     for (const double j : {-1.0, 0.0, 1.0}) {
-      if (i == 0.0 && j == 0.0) continue;   // inside the box
+      if (i == 0.0 && j == 0.0) continue;  // inside the box
       search(corner(-1.0, i, j), corner(1.0, i, j));
       search(corner(i, -1.0, j), corner(i, 1.0, j));
       search(corner(i, j, -1.0), corner(i, j, 1.0));

@@ -18,7 +18,8 @@ Vector3d ToEigen(const mjtNum* v) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
 
-Physics::Physics(const VoidField& field, const robot::Description& description, const PhysicsOptions& options)
+Physics::Physics(const VoidField& field, const robot::Description& description,
+                 const PhysicsOptions& options)
     : field_(field),
       model_(BuildRobotModel(description, options)),
       data_(mj_makeData(model_.get())),
@@ -35,9 +36,12 @@ double Physics::WheelClearance() {
     if (model_->geom_type[geom] != mjGEOM_CYLINDER) continue;
     const mjtNum* R_WG = data_->geom_xmat + 9 * geom;
     const double tread = model_->geom_user[static_cast<std::ptrdiff_t>(model_->nuser_geom) * geom];
-    const Torus torus{ToEigen(data_->geom_xpos + 3 * geom), {R_WG[2], R_WG[5], R_WG[8]},
-                      model_->geom_size[3 * geom] - tread, tread};
-    for (const WallContact& contact : TorusContacts(field_, torus, 0.1)) least = std::min(least, contact.distance_m);
+    const Torus torus{ToEigen(data_->geom_xpos + 3 * geom),
+                      {R_WG[2], R_WG[5], R_WG[8]},
+                      model_->geom_size[3 * geom] - tread,
+                      tread};
+    for (const WallContact& contact : TorusContacts(field_, torus, 0.1))
+      least = std::min(least, contact.distance_m);
   }
   return least;
 }
@@ -52,17 +56,24 @@ void Physics::Place(const Sewer& sewer, const StartPose& start) {
   const auto place = [&](double down_m) {
     const Isometry3d X_WB = X_WP * Eigen::AngleAxisd(heading, Vector3d::UnitZ()) *
                             Eigen::AngleAxisd(start.roll_rad, Vector3d::UnitX()) *
-                            Eigen::Translation3d(0.0, 0.0, -down_m) * Eigen::AngleAxisd(start.yaw_rad, Vector3d::UnitZ());
+                            Eigen::Translation3d(0.0, 0.0, -down_m) *
+                            Eigen::AngleAxisd(start.yaw_rad, Vector3d::UnitZ());
     const Eigen::Quaterniond q(X_WB.linear());
-    const std::array<mjtNum, 7> qpos{X_WB.translation().x(), X_WB.translation().y(), X_WB.translation().z(),
-                                     q.w(), q.x(), q.y(), q.z()};
+    const std::array<mjtNum, 7> qpos{X_WB.translation().x(),
+                                     X_WB.translation().y(),
+                                     X_WB.translation().z(),
+                                     q.w(),
+                                     q.x(),
+                                     q.y(),
+                                     q.z()};
     std::copy(qpos.begin(), qpos.end(), data_->qpos);
     return WheelClearance();
   };
   // Lower the robot until a tread meets the wall.
   double high = 0.0;
   double low = radius;
-  if (place(high) < 0.0) throw std::invalid_argument(fmt::format("the robot does not fit into pipe \"{}\"", start.pipe));
+  if (place(high) < 0.0)
+    throw std::invalid_argument(fmt::format("the robot does not fit into pipe \"{}\"", start.pipe));
   for (int i = 0; i < 30; ++i) {
     const double middle = 0.5 * (high + low);
     (place(middle) > 0.0 ? high : low) = middle;
@@ -80,10 +91,11 @@ void Physics::Drive(double left_rad_s, double right_rad_s) {
 
 void Physics::Step() {
   mj_step(model_.get(), data_.get());
-  for (const int kind : {mjWARN_INERTIA, mjWARN_CONTACTFULL, mjWARN_CNSTRFULL, mjWARN_BADQPOS, mjWARN_BADQVEL, mjWARN_BADQACC,
-                         mjWARN_BADCTRL}) {
+  for (const int kind : {mjWARN_INERTIA, mjWARN_CONTACTFULL, mjWARN_CNSTRFULL, mjWARN_BADQPOS,
+                         mjWARN_BADQVEL, mjWARN_BADQACC, mjWARN_BADCTRL}) {
     if (data_->warning[kind].number > 0) {
-      throw std::runtime_error(fmt::format("MuJoCo at {:.3f} s: {}", data_->time, mju_warningText(kind, data_->warning[kind].lastinfo)));
+      throw std::runtime_error(fmt::format("MuJoCo at {:.3f} s: {}", data_->time,
+                                           mju_warningText(kind, data_->warning[kind].lastinfo)));
     }
   }
 }
@@ -91,7 +103,8 @@ void Physics::Step() {
 Isometry3d Physics::PoseOfBase() const {
   Isometry3d X_WB = Isometry3d::Identity();
   X_WB.translation() = ToEigen(data_->qpos);
-  X_WB.linear() = Eigen::Quaterniond(data_->qpos[3], data_->qpos[4], data_->qpos[5], data_->qpos[6]).toRotationMatrix();
+  X_WB.linear() = Eigen::Quaterniond(data_->qpos[3], data_->qpos[4], data_->qpos[5], data_->qpos[6])
+                      .toRotationMatrix();
   return X_WB;
 }
 
@@ -99,7 +112,8 @@ Vector3d Physics::VelocityOfBase() const { return ToEigen(data_->qvel); }
 
 std::array<double, 4> Physics::WheelAngles() const {
   std::array<double, 4> angles{};
-  for (std::size_t i = 0; i < angles.size(); ++i) angles[i] = data_->qpos[model_->jnt_qposadr[wheel_joint_[i]]];
+  for (std::size_t i = 0; i < angles.size(); ++i)
+    angles[i] = data_->qpos[model_->jnt_qposadr[wheel_joint_[i]]];
   return angles;
 }
 

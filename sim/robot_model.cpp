@@ -19,7 +19,8 @@ std::string Numbers(const Vector3d& v) { return fmt::format("{} {} {}", v.x(), v
 
 std::string Placement(const Isometry3d& X) {
   const Eigen::Quaterniond q(X.linear());
-  return fmt::format(R"(pos="{}" quat="{} {} {} {}")", Numbers(X.translation()), q.w(), q.x(), q.y(), q.z());
+  return fmt::format(R"(pos="{}" quat="{} {} {} {}")", Numbers(X.translation()), q.w(), q.x(),
+                     q.y(), q.z());
 }
 
 const Joint* JointAbove(const Description& description, const std::string& link) {
@@ -37,7 +38,8 @@ Isometry3d PoseInParent(const Description& description, const Joint& joint, doub
 
 class Writer {
  public:
-  Writer(const Description& description, const PhysicsOptions& options) : description_(description), options_(options) {}
+  Writer(const Description& description, const PhysicsOptions& options)
+      : description_(description), options_(options) {}
 
   std::string Write() {
     text_ += fmt::format(R"(<mujoco model="{}">
@@ -53,7 +55,9 @@ class Writer {
     text_ += "</worldbody>\n<actuator>\n";
     for (const std::string& wheel : description_.wheels) WriteMotor(wheel);
     text_ += "</actuator>\n<sensor>\n";
-    text_ += "<gyro name=\"gyro\" site=\"base\"/>\n<accelerometer name=\"accelerometer\" site=\"base\"/>\n";
+    text_ +=
+        "<gyro name=\"gyro\" site=\"base\"/>\n<accelerometer name=\"accelerometer\" "
+        "site=\"base\"/>\n";
     text_ += "</sensor>\n</mujoco>\n";
     return std::move(text_);
   }
@@ -61,7 +65,8 @@ class Writer {
  private:
   void WriteBody(const Link& link, const Joint* joint) {
     if (joint == nullptr) {
-      text_ += fmt::format("<body name=\"{}\">\n<freejoint name=\"base\"/>\n<site name=\"base\"/>\n", link.name);
+      text_ += fmt::format(
+          "<body name=\"{}\">\n<freejoint name=\"base\"/>\n<site name=\"base\"/>\n", link.name);
     } else {
       text_ += fmt::format("<body name=\"{}\" {}>\n", link.name,
                            Placement(PoseInParent(description_, *joint, options_.mast_height_m)));
@@ -70,8 +75,8 @@ class Writer {
     if (link.inertial) {
       const Eigen::Matrix3d& I = link.inertial->I_LLcm_L;
       text_ += fmt::format("<inertial pos=\"{}\" mass=\"{}\" fullinertia=\"{} {} {} {} {} {}\"/>\n",
-                           Numbers(link.inertial->p_LoLcm_L), link.inertial->mass_kg, I(0, 0), I(1, 1), I(2, 2),
-                           I(0, 1), I(0, 2), I(1, 2));
+                           Numbers(link.inertial->p_LoLcm_L), link.inertial->mass_kg, I(0, 0),
+                           I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2));
     }
     for (const robot::Shape& shape : link.collisions) WriteShape(shape, joint);
     for (const Joint& below : description_.joints) {
@@ -96,14 +101,17 @@ class Writer {
     if (joint.type == JointType::kPrismatic && joint.name != description_.laser.mast) {
       const robot::Suspension& spring = description_.suspensions.at(joint.name);
       text_ += fmt::format(
-          "<joint name=\"{}\" type=\"slide\" axis=\"{}\" limited=\"true\" range=\"{} {}\" stiffness=\"{}\" "
+          "<joint name=\"{}\" type=\"slide\" axis=\"{}\" limited=\"true\" range=\"{} {}\" "
+          "stiffness=\"{}\" "
           "damping=\"{}\" springref=\"{}\"/>\n",
-          joint.name, Numbers(joint.axis_J), joint.lower, joint.upper, spring.stiffness_N_m, spring.damping_Ns_m,
-          spring.rest_position_m);
+          joint.name, Numbers(joint.axis_J), joint.lower, joint.upper, spring.stiffness_N_m,
+          spring.damping_Ns_m, spring.rest_position_m);
     } else if (joint.type == JointType::kContinuous) {
-      const double load_N = description_.TotalMass_kg() * 9.81 / static_cast<double>(description_.wheels.size());
+      const double load_N =
+          description_.TotalMass_kg() * 9.81 / static_cast<double>(description_.wheels.size());
       text_ += fmt::format(
-          "<joint name=\"{}\" type=\"hinge\" axis=\"{}\" limited=\"false\" armature=\"{}\" frictionloss=\"{}\"/>\n",
+          "<joint name=\"{}\" type=\"hinge\" axis=\"{}\" limited=\"false\" armature=\"{}\" "
+          "frictionloss=\"{}\"/>\n",
           joint.name, Numbers(joint.axis_J), description_.motors.at(joint.name).rotor_inertia_kg_m2,
           options_.rolling_resistance_m * load_N);
     }
@@ -114,8 +122,8 @@ class Writer {
     double friction = options_.hull_friction;
     if (joint != nullptr && description_.tyres.contains(joint->name)) {
       const robot::Tyre& tyre = description_.tyres.at(joint->name);
-      form = fmt::format("type=\"cylinder\" size=\"{} {}\" user=\"{}\"", tyre.radius_m, tyre.tread_radius_m,
-                         tyre.tread_radius_m);
+      form = fmt::format("type=\"cylinder\" size=\"{} {}\" user=\"{}\"", tyre.radius_m,
+                         tyre.tread_radius_m, tyre.tread_radius_m);
       friction = options_.wheel_friction;
     } else if (const auto* box = std::get_if<robot::Box>(&shape.geometry)) {
       form = fmt::format("type=\"box\" size=\"{}\"", Numbers(0.5 * box->size_m));
@@ -123,17 +131,19 @@ class Writer {
       throw std::invalid_argument("only wheels and boxes touch the wall");
     }
     text_ += fmt::format(
-        "<geom {} {} contype=\"0\" conaffinity=\"1\" condim=\"4\" friction=\"{} 0.003 0\" solref=\"0.006 1\"/>\n", form,
-        Placement(shape.X_LG), friction);
+        "<geom {} {} contype=\"0\" conaffinity=\"1\" condim=\"4\" friction=\"{} 0.003 0\" "
+        "solref=\"0.006 1\"/>\n",
+        form, Placement(shape.X_LG), friction);
   }
 
   void WriteMotor(const std::string& wheel) {
     const robot::Motor& motor = description_.motors.at(wheel);
     text_ += fmt::format(
-        "<velocity name=\"{0}\" joint=\"{0}\" kv=\"{1}\" ctrllimited=\"true\" ctrlrange=\"{2} {3}\" "
+        "<velocity name=\"{0}\" joint=\"{0}\" kv=\"{1}\" ctrllimited=\"true\" ctrlrange=\"{2} "
+        "{3}\" "
         "forcelimited=\"true\" forcerange=\"{4} {5}\"/>\n",
-        wheel, motor.speed_gain_Nm_s, -motor.speed_limit_rad_s, motor.speed_limit_rad_s, -motor.torque_limit_Nm,
-        motor.torque_limit_Nm);
+        wheel, motor.speed_gain_Nm_s, -motor.speed_limit_rad_s, motor.speed_limit_rad_s,
+        -motor.torque_limit_Nm, motor.torque_limit_Nm);
   }
 
   const Description& description_;
@@ -163,7 +173,8 @@ ModelPointer BuildRobotModel(const Description& description, const PhysicsOption
   return model;
 }
 
-Isometry3d MountPose(const Description& description, const std::string& link, double mast_height_m) {
+Isometry3d MountPose(const Description& description, const std::string& link,
+                     double mast_height_m) {
   Isometry3d X_BL = Isometry3d::Identity();
   for (const Joint* joint = JointAbove(description, link); joint != nullptr;
        joint = JointAbove(description, joint->parent)) {

@@ -11,7 +11,7 @@ namespace {
 
 /// A prime, so that no image width divides it and rows do not repeat under each other.
 constexpr std::size_t kField = 1'000'003;
-constexpr int kUnit = 32;   ///< one standard deviation in the field's integers
+constexpr int kUnit = 32;  ///< one standard deviation in the field's integers
 constexpr int kHalf = 256 * kUnit / 2;
 
 const std::vector<std::int8_t>& Field() {
@@ -19,7 +19,8 @@ const std::vector<std::int8_t>& Field() {
     RandomStream random(0, "image noise field");
     std::vector<std::int8_t> values(kField);
     for (std::int8_t& value : values) {
-      value = static_cast<std::int8_t>(std::lround(std::fmin(std::fmax(random.Normal(kUnit), -127.0), 127.0)));
+      value = static_cast<std::int8_t>(
+          std::lround(std::fmin(std::fmax(random.Normal(kUnit), -127.0), 127.0)));
     }
     return values;
   }();
@@ -46,7 +47,8 @@ void AddSensorNoise(cv::Mat& image, RandomStream& random, const ImageNoise& nois
   for (int y = 0; y < image.rows; ++y) {
     auto* row = image.ptr<std::uint8_t>(y);
     for (int x = 0; x < 3 * image.cols; ++x) {
-      const int change = (deviations[row[x]] * field[at] + kHalf) >> 13;   // / (256 * kUnit), rounded
+      const int change =
+          (deviations[row[x]] * field[at] + kHalf) >> 13;  // / (256 * kUnit), rounded
       row[x] = cv::saturate_cast<std::uint8_t>(row[x] + change);
       if (++at == kField) at = 0;
     }

@@ -6,14 +6,16 @@
 
 namespace kantaro::sim {
 
-/// What an image sensor adds to what falls on it: shot noise, growing with the square root of the light, over read noise.
+/// What an image sensor adds to what falls on it: shot noise, growing with the square root of the
+/// light, over read noise.
 struct ImageNoise {
-  double read_levels{1.2};        ///< standard deviation in the dark [8-bit levels]
-  double shot_levels{2.2};        ///< at full scale
+  double read_levels{1.2};  ///< standard deviation in the dark [8-bit levels]
+  double shot_levels{2.2};  ///< at full scale
 };
 
-/// Adds noise to an 8-bit BGR image, in place. The pattern is a fixed field of normal numbers read from an offset that
-/// `random` draws: each image gets another, at a fraction of the cost of drawing every pixel.
+/// Adds noise to an 8-bit BGR image, in place. The pattern is a fixed field of normal numbers read
+/// from an offset that `random` draws: each image gets another, at a fraction of the cost of
+/// drawing every pixel.
 void AddSensorNoise(cv::Mat& image, RandomStream& random, const ImageNoise& noise = {});
 
 }  // namespace kantaro::sim

@@ -22,7 +22,8 @@ using network::PipeAxis;
 
 /// Voids that follow each other overlap by this much, so that no wall closes between them.
 constexpr double kOverlap_m = 0.002;
-/// Default centre-line radius of a curved channel, in shaft radii: measured to turn the robot wet and dry.
+/// Default centre-line radius of a curved channel, in shaft radii: measured to turn the robot wet
+/// and dry.
 constexpr double kChannelRadiusRatio = 0.66;
 /// Channels are not carved for water (or a robot) to turn back more sharply than this.
 constexpr double kSharpestTurn_rad = 120.0 * std::numbers::pi / 180.0;
@@ -43,22 +44,25 @@ Eigen::Isometry3d Level(const Vector3d& p_W, const Vector2d& forward) {
 /// Where a manhole's channels and shaft meet.
 struct Chamber {
   double shaft_radius_m{};
-  double channel_radius_m{};     ///< half the width of its channels: the largest pipe's
-  double bench_m{};              ///< bench above the invert
+  double channel_radius_m{};  ///< half the width of its channels: the largest pipe's
+  double bench_m{};           ///< bench above the invert
 };
 
 Chamber ChamberOf(const Network& network, const Manhole& manhole) {
   Chamber chamber;
   for (const std::size_t i : network.PipesAt(manhole.name)) {
-    chamber.channel_radius_m = std::max(chamber.channel_radius_m, network.pipes[i].diameter_m / 2.0);
+    chamber.channel_radius_m =
+        std::max(chamber.channel_radius_m, network.pipes[i].diameter_m / 2.0);
   }
   chamber.shaft_radius_m = network.ShaftDiameter(manhole) / 2.0;
   if (chamber.shaft_radius_m <= chamber.channel_radius_m + 0.05) {
-    throw std::invalid_argument(fmt::format("manhole \"{}\": its shaft of {:.0f} mm is too narrow for its pipes",
-                                            manhole.name, chamber.shaft_radius_m * 2000.0));
+    throw std::invalid_argument(
+        fmt::format("manhole \"{}\": its shaft of {:.0f} mm is too narrow for its pipes",
+                    manhole.name, chamber.shaft_radius_m * 2000.0));
   }
-  chamber.bench_m = manhole.bench_height == network::BenchHeight::kCrown ? 2.0 * chamber.channel_radius_m
-                                                                         : chamber.channel_radius_m;
+  chamber.bench_m = manhole.bench_height == network::BenchHeight::kCrown
+                        ? 2.0 * chamber.channel_radius_m
+                        : chamber.channel_radius_m;
   return chamber;
 }
 
@@ -83,7 +87,8 @@ class Builder {
   }
 
   /// Adds the tube between two chainages, one primitive for each piece of the axis it runs through.
-  void AddTube(const PipeAxis& axis, double from_m, double to_m, double radius_m, Feature straight, Feature bent) {
+  void AddTube(const PipeAxis& axis, double from_m, double to_m, double radius_m, Feature straight,
+               Feature bent) {
     const auto& pieces = axis.pieces();
     for (std::size_t i = 0; i < pieces.size(); ++i) {
       const bool first = i == 0;
@@ -121,8 +126,10 @@ class Builder {
       const double gap_start = joint.chainage_m - joint.gap_m / 2.0;
       const double gap_end = joint.chainage_m + joint.gap_m / 2.0;
       AddTube(axis, start, gap_start, radius, Feature::kStraight, Feature::kBend);
-      constexpr double kLip = 1e-4;  // the groove cuts a hair into both lengths, so that the three are one void
-      AddTube(axis, gap_start - kLip, gap_end + kLip, radius + joint.depth_m, Feature::kJoint, Feature::kJoint);
+      constexpr double kLip =
+          1e-4;  // the groove cuts a hair into both lengths, so that the three are one void
+      AddTube(axis, gap_start - kLip, gap_end + kLip, radius + joint.depth_m, Feature::kJoint,
+              Feature::kJoint);
       start = gap_end;
     }
     AddTube(axis, start, axis.length_m() + kOverlap_m, radius, Feature::kStraight, Feature::kBend);
@@ -143,7 +150,8 @@ class Builder {
     }
   }
 
-  void AddChannel(const Chamber& chamber, const Eigen::Isometry3d& X_WS, double length_m, double curvature) {
+  void AddChannel(const Chamber& chamber, const Eigen::Isometry3d& X_WS, double length_m,
+                  double curvature) {
     if (length_m <= 0.0) return;
     VoidPrimitive channel;
     channel.X_WS = X_WS;
@@ -158,7 +166,8 @@ class Builder {
   }
 
   /// Along `in` (towards the centre) and out along `out`, tangent to both.
-  void AddChannelBetween(const Chamber& chamber, const Manhole& manhole, const Vector2d& in, const Vector2d& out) {
+  void AddChannelBetween(const Chamber& chamber, const Manhole& manhole, const Vector2d& in,
+                         const Vector2d& out) {
     const Vector3d p_WC = manhole.p_WM + Vector3d(0.0, 0.0, chamber.channel_radius_m);
     const auto at = [&](const Vector2d& along, double distance) {
       return Level(p_WC + distance * Vector3d(along.x(), along.y(), 0.0), along);
@@ -169,17 +178,22 @@ class Builder {
       return;
     }
     const double half_tangent = std::tan(std::abs(turn) / 2.0);
-    const double radius = std::min(manhole.channel_radius_m.value_or(kChannelRadiusRatio * chamber.shaft_radius_m),
-                                   chamber.shaft_radius_m / half_tangent);
+    const double radius =
+        std::min(manhole.channel_radius_m.value_or(kChannelRadiusRatio * chamber.shaft_radius_m),
+                 chamber.shaft_radius_m / half_tangent);
     if (radius <= chamber.channel_radius_m) {
-      throw std::invalid_argument(fmt::format("manhole \"{}\": a channel of {:.0f} mm cannot turn by {:.0f} degrees in it",
-                                              manhole.name, chamber.channel_radius_m * 2000.0,
-                                              std::abs(turn) * 180.0 / std::numbers::pi));
+      throw std::invalid_argument(
+          fmt::format("manhole \"{}\": a channel of {:.0f} mm cannot turn by {:.0f} degrees in it",
+                      manhole.name, chamber.channel_radius_m * 2000.0,
+                      std::abs(turn) * 180.0 / std::numbers::pi));
     }
     const double tangent = radius * half_tangent;
-    AddChannel(chamber, at(in, -chamber.shaft_radius_m), chamber.shaft_radius_m - tangent + kOverlap_m, 0.0);
-    AddChannel(chamber, at(in, -tangent), radius * std::abs(turn), std::copysign(1.0 / radius, turn));
-    AddChannel(chamber, at(out, tangent - kOverlap_m), chamber.shaft_radius_m - tangent + kOverlap_m, 0.0);
+    AddChannel(chamber, at(in, -chamber.shaft_radius_m),
+               chamber.shaft_radius_m - tangent + kOverlap_m, 0.0);
+    AddChannel(chamber, at(in, -tangent), radius * std::abs(turn),
+               std::copysign(1.0 / radius, turn));
+    AddChannel(chamber, at(out, tangent - kOverlap_m),
+               chamber.shaft_radius_m - tangent + kOverlap_m, 0.0);
   }
 
   void AddManhole(std::size_t index) {
@@ -191,13 +205,15 @@ class Builder {
 
     std::vector<Vector2d> directions;
     for (const std::size_t i : pipes) {
-      directions.push_back(network::DirectionFrom(sewer_.network, sewer_.network.pipes[i], manhole));
+      directions.push_back(
+          network::DirectionFrom(sewer_.network, sewer_.network.pipes[i], manhole));
     }
     if (directions.size() == 1) AddChannelBetween(chamber, manhole, -directions[0], -directions[0]);
     for (std::size_t i = 0; i < directions.size(); ++i) {
       for (std::size_t j = i + 1; j < directions.size(); ++j) {
         const double turn = std::acos(std::clamp(-directions[i].dot(directions[j]), -1.0, 1.0));
-        if (turn <= kSharpestTurn_rad) AddChannelBetween(chamber, manhole, -directions[i], directions[j]);
+        if (turn <= kSharpestTurn_rad)
+          AddChannelBetween(chamber, manhole, -directions[i], directions[j]);
       }
     }
 

@@ -13,18 +13,20 @@ namespace kantaro::sim {
 struct Part {
   enum class Kind : std::uint8_t { kPipe, kManhole };
   Kind kind{Kind::kPipe};
-  std::size_t index{};      ///< into the network's pipes or manholes
+  std::size_t index{};  ///< into the network's pipes or manholes
 };
 
-/// A network as geometry: the union of voids from which contact, the render mesh and the ray-cast mesh all come.
+/// A network as geometry: the union of voids from which contact, the render mesh and the ray-cast
+/// mesh all come.
 struct Sewer {
   network::Network network;
-  std::vector<network::PipeAxis> axes;      ///< one for each pipe
-  std::vector<Part> parts;                  ///< VoidPrimitive::part points here
+  std::vector<network::PipeAxis> axes;  ///< one for each pipe
+  std::vector<Part> parts;              ///< VoidPrimitive::part points here
   std::vector<VoidPrimitive> voids;
 };
 
-/// Builds the voids of a checked network. @throws std::invalid_argument if pipes do not fit their shafts.
+/// Builds the voids of a checked network. @throws std::invalid_argument if pipes do not fit their
+/// shafts.
 [[nodiscard]] Sewer BuildSewer(const network::Network& network);
 
 }  // namespace kantaro::sim

@@ -30,7 +30,8 @@ std::int64_t StepsPer(double rate_Hz, const char* sensor) {
   const double steps = 1.0 / (rate_Hz * Seconds(kStep));
   const auto whole = std::llround(steps);
   if (whole < 1 || std::abs(steps - static_cast<double>(whole)) > 1e-6) {
-    throw std::invalid_argument(fmt::format("the rate of the {} is no whole number of 2 ms steps", sensor));
+    throw std::invalid_argument(
+        fmt::format("the rate of the {} is no whole number of 2 ms steps", sensor));
   }
   return whole;
 }
@@ -93,7 +94,8 @@ class Twin::Impl {
     if (!std::isfinite(command.left_rad_s) || !std::isfinite(command.right_rad_s)) {
       throw std::invalid_argument("a wheel speed is no number");
     }
-    if (!(command.lights >= 0.0 && command.lights <= 1.0)) throw std::invalid_argument("lights must be 0 to 1");
+    if (!(command.lights >= 0.0 && command.lights <= 1.0))
+      throw std::invalid_argument("lights must be 0 to 1");
     lights_ = command.lights;
     physics_.Drive(command.left_rad_s * (1.0 + conditions_.left_right_mismatch),
                    command.right_rad_s * (1.0 - conditions_.left_right_mismatch));
@@ -108,7 +110,8 @@ class Twin::Impl {
     Locate(truth);
     Vector3d forward = truth.X_WB.linear().col(0);
     if (truth.pipe) {
-      const Vector3d along = world_.sewer->axes[*truth.pipe].PoseAt(truth.chainage_m).linear().col(0);
+      const Vector3d along =
+          world_.sewer->axes[*truth.pipe].PoseAt(truth.chainage_m).linear().col(0);
       forward = along.dot(forward) < 0.0 ? Vector3d(-along) : along;
     }
     truth.speed_m_s = physics_.VelocityOfBase().dot(forward);
@@ -143,7 +146,8 @@ class Twin::Impl {
     const Isometry3d X_WB = physics_.PoseOfBase();
     upper_box_touched_ = upper_box_touched_ || physics_.Touches(description_.upper_box);
 
-    for (auto& [time_s, revolution] : laser_.Scan(from_s, Seconds(Time()), X_WL_before, X_WB * laser_mount_)) {
+    for (auto& [time_s, revolution] :
+         laser_.Scan(from_s, Seconds(Time()), X_WL_before, X_WB * laser_mount_)) {
       Queue(FromSeconds(time_s), description_.laser.latency_s, std::move(revolution));
     }
     if (steps_ % encoder_steps_ == 0) Queue(Time(), 0.0, ReadEncoders());
@@ -173,7 +177,8 @@ class Twin::Impl {
   robot::WheelEncoders ReadEncoders() const {
     robot::WheelEncoders encoders{physics_.WheelAngles()};
     for (double& angle : encoders.angle_rad) {
-      angle = std::floor(angle / description_.encoder_resolution_rad) * description_.encoder_resolution_rad;
+      angle = std::floor(angle / description_.encoder_resolution_rad) *
+              description_.encoder_resolution_rad;
     }
     return encoders;
   }
@@ -182,7 +187,8 @@ class Twin::Impl {
     robot::InertialReading reading{physics_.AngularVelocity(), physics_.SpecificForce()};
     for (int i = 0; i < 3; ++i) {
       reading.angular_velocity_rad_s[i] += inertial_noise_.Normal(description_.gyro_noise_rad_s);
-      reading.specific_force_m_s2[i] += inertial_noise_.Normal(description_.accelerometer_noise_m_s2);
+      reading.specific_force_m_s2[i] +=
+          inertial_noise_.Normal(description_.accelerometer_noise_m_s2);
     }
     return reading;
   }
@@ -199,13 +205,15 @@ class Twin::Impl {
   }
 
   std::future<cv::Mat> Photograph(const Isometry3d& X_WB, const robot::Camera& camera) {
-    const CameraView view{X_WB * Mount(camera.link), camera.width_px, camera.height_px,
-                          camera.focal_px, camera.center_x_px, camera.center_y_px};
+    const CameraView view{X_WB * Mount(camera.link), camera.width_px,    camera.height_px,
+                          camera.focal_px,           camera.center_x_px, camera.center_y_px};
     Lamps lamps;
-    for (const Isometry3d& X_BLamp : lamp_mounts_) lamps.p_WLamp.push_back((X_WB * X_BLamp).translation());
+    for (const Isometry3d& X_BLamp : lamp_mounts_)
+      lamps.p_WLamp.push_back((X_WB * X_BLamp).translation());
     if (!lamp_mounts_.empty()) lamps.direction_W = (X_WB * lamp_mounts_.front()).linear().col(0);
     lamps.brightness = std::min(1.0, lights_ * conditions_.light);
-    return cameras_->Capture(view, lamps, conditions_.seed, fmt::format("sensor.{}.{}", camera.link, steps_));
+    return cameras_->Capture(view, lamps, conditions_.seed,
+                             fmt::format("sensor.{}.{}", camera.link, steps_));
   }
 
   void Locate(GroundTruth& truth) const {
@@ -218,7 +226,9 @@ class Twin::Impl {
         continue;
       }
       const network::PipePosition position = world_.sewer->axes[part.index].Locate(p_WB);
-      if (position.chainage_m < 0.0 || position.chainage_m > world_.sewer->axes[part.index].length_m()) continue;
+      if (position.chainage_m < 0.0 ||
+          position.chainage_m > world_.sewer->axes[part.index].length_m())
+        continue;
       truth.pipe = part.index;
       truth.chainage_m = position.chainage_m;
     }

@@ -19,38 +19,42 @@ struct World {
   std::shared_ptr<const Sewer> sewer;
   std::shared_ptr<const VoidField> field;
   std::shared_ptr<const RayCaster> rays;
-  std::shared_ptr<const Scenery> scenery;   ///< null in a world without cameras
+  std::shared_ptr<const Scenery> scenery;  ///< null in a world without cameras
 };
 
 /// @param texture_seed  of the walls' look. @param cameras  whether the world will be seen.
-[[nodiscard]] World BuildWorld(const network::Network& network, std::uint64_t texture_seed, bool cameras);
+[[nodiscard]] World BuildWorld(const network::Network& network, std::uint64_t texture_seed,
+                               bool cameras);
 
 /// What a run's seed decides about the robot and its contact with the world.
 struct Conditions {
   StartPose start;
-  std::uint64_t seed{};              ///< of every sensor's noise
-  double wheel_friction{0.7};        ///< tyre on wall
-  double left_right_mismatch{};      ///< left motors turn this share faster than told, right ones slower
-  double light{1.0};                 ///< LED brightness against the nominal
-  double mast_diameter_m{0.300};     ///< the mast was set for this pipe
-  double time_limit_s{600.0};        ///< Read() ends the run here
-  int render_threads{2};             ///< beside the physics; decides speed, never a result
+  std::uint64_t seed{};        ///< of every sensor's noise
+  double wheel_friction{0.7};  ///< tyre on wall
+  double
+      left_right_mismatch{};  ///< left motors turn this share faster than told, right ones slower
+  double light{1.0};          ///< LED brightness against the nominal
+  double mast_diameter_m{0.300};  ///< the mast was set for this pipe
+  double time_limit_s{600.0};     ///< Read() ends the run here
+  int render_threads{2};          ///< beside the physics; decides speed, never a result
 };
 
 /// What is really so, for the judge alone.
 struct GroundTruth {
   Eigen::Isometry3d X_WB{Eigen::Isometry3d::Identity()};
-  std::optional<std::size_t> pipe;       ///< index into the network's pipes if the base is in one, else
-  std::optional<std::size_t> manhole;    ///< the manhole it is in
-  double chainage_m{};                   ///< of the base's origin along `pipe`; 0 in a manhole
-  double speed_m_s{};                    ///< along the pipe's axis (in a manhole: along the robot), positive forward of the robot
-  bool upper_box_touched{};              ///< the upper box has touched the wall since the last call of Truth()
+  std::optional<std::size_t> pipe;  ///< index into the network's pipes if the base is in one, else
+  std::optional<std::size_t> manhole;  ///< the manhole it is in
+  double chainage_m{};                 ///< of the base's origin along `pipe`; 0 in a manhole
+  double speed_m_s{};  ///< along the pipe's axis (in a manhole: along the robot), positive forward
+                       ///< of the robot
+  bool upper_box_touched{};  ///< the upper box has touched the wall since the last call of Truth()
 };
 
 /// The simulated robot in a simulated sewer, behind the robot's own interface.
 ///
-/// Physics runs in steps of 2 ms; cameras are rendered on worker threads between capture and delivery. One caller.
-/// Every sensor's noise has its own random stream, so nothing depends on threads or on who reads what.
+/// Physics runs in steps of 2 ms; cameras are rendered on worker threads between capture and
+/// delivery. One caller. Every sensor's noise has its own random stream, so nothing depends on
+/// threads or on who reads what.
 class Twin : public robot::Hardware {
  public:
   /// @throws RenderingUnavailable if the world has a scenery and no off-screen OpenGL can be had.

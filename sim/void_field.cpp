@@ -15,20 +15,27 @@ constexpr double kCell_m = 0.5;
 
 std::uint64_t Key(std::int64_t x, std::int64_t y, std::int64_t z) {
   constexpr std::uint64_t kMask = (std::uint64_t{1} << 21) - 1;
-  const auto part = [](std::int64_t v) { return static_cast<std::uint64_t>(v + (1 << 20)) & kMask; };
+  const auto part = [](std::int64_t v) {
+    return static_cast<std::uint64_t>(v + (1 << 20)) & kMask;
+  };
   return part(x) << 42 | part(y) << 21 | part(z);
 }
 
-std::int64_t Coordinate(double value) { return static_cast<std::int64_t>(std::floor(value / kCell_m)); }
+std::int64_t Coordinate(double value) {
+  return static_cast<std::int64_t>(std::floor(value / kCell_m));
+}
 
-/// Nearest point of the intersection of two half-spaces {distance <= 0}: its distance and direction.
+/// Nearest point of the intersection of two half-spaces {distance <= 0}: its distance and
+/// direction.
 Wall NearestOfWedge(const Wall& a, const Wall& b) {
   const double c = a.normal_W.dot(b.normal_W);
   const Wall& further = a.distance_m > b.distance_m ? a : b;
   constexpr double kParallel = 0.99999;
   if (c > kParallel) return further;
   if (c < -kParallel) {
-    return a.distance_m + b.distance_m > 0.0 ? Wall{std::numeric_limits<double>::infinity(), further.normal_W} : further;
+    return a.distance_m + b.distance_m > 0.0
+               ? Wall{std::numeric_limits<double>::infinity(), further.normal_W}
+               : further;
   }
   const double alpha = a.distance_m - c * b.distance_m;
   const double beta = b.distance_m - c * a.distance_m;
@@ -46,8 +53,8 @@ struct Local {
 };
 
 /// Least over all choices of one wall from each void of the greatest over the pairs chosen.
-void Choose(const Local& local, std::size_t depth, std::array<const Wall*, Local::kMost>& chosen, const Wall& so_far,
-            Wall& best) {
+void Choose(const Local& local, std::size_t depth, std::array<const Wall*, Local::kMost>& chosen,
+            const Wall& so_far, Wall& best) {
   if (so_far.distance_m >= best.distance_m) return;
   if (depth == local.count) {
     best = so_far;
@@ -77,7 +84,8 @@ VoidField::VoidField(std::vector<VoidPrimitive> voids) : voids_(std::move(voids)
     const Vector3d high = box.max().array() + kLargestReach_m;
     for (auto x = Coordinate(low.x()); x <= Coordinate(high.x()); ++x) {
       for (auto y = Coordinate(low.y()); y <= Coordinate(high.y()); ++y) {
-        for (auto z = Coordinate(low.z()); z <= Coordinate(high.z()); ++z) entries.emplace_back(Key(x, y, z), i);
+        for (auto z = Coordinate(low.z()); z <= Coordinate(high.z()); ++z)
+          entries.emplace_back(Key(x, y, z), i);
       }
     }
   }
@@ -101,7 +109,8 @@ Nearby VoidField::Around(const Vector3d& p_W, double reach_m) const {
     const std::uint32_t member = members_[i];
     if (boxes_[member].squaredExteriorDistance(p_W) > reach_m * reach_m) continue;
     if (InsideDistance(voids_[member], p_W) < -reach_m) continue;
-    if (nearby.count_ == Nearby::kMost) throw std::length_error("more voids meet in one place than contact allows for");
+    if (nearby.count_ == Nearby::kMost)
+      throw std::length_error("more voids meet in one place than contact allows for");
     nearby.voids_[nearby.count_++] = &voids_[member];
   }
   return nearby;
@@ -122,7 +131,8 @@ Wall VoidField::NearestWall(const Nearby& nearby, const Vector3d& p_W, double ca
     if (near.count == 0) return {cap_m, least->normal_W};
     if (least->distance_m > shallowest.distance_m) shallowest = *least;
     if (least->distance_m <= -cap_m) continue;
-    if (local.count == Local::kMost) throw std::length_error("more voids meet in one place than contact allows for");
+    if (local.count == Local::kMost)
+      throw std::length_error("more voids meet in one place than contact allows for");
     local.voids[local.count++] = near;
   }
   if (local.count == 0) return shallowest;
@@ -130,7 +140,8 @@ Wall VoidField::NearestWall(const Nearby& nearby, const Vector3d& p_W, double ca
     const Walls& walls = local.voids[0];
     const Wall* least = &walls.wall[0];
     for (int i = 1; i < walls.count; ++i) {
-      if (walls.wall[static_cast<std::size_t>(i)].distance_m < least->distance_m) least = &walls.wall[static_cast<std::size_t>(i)];
+      if (walls.wall[static_cast<std::size_t>(i)].distance_m < least->distance_m)
+        least = &walls.wall[static_cast<std::size_t>(i)];
     }
     return *least;
   }

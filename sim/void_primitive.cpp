@@ -11,8 +11,8 @@ using Eigen::Vector3d;
 
 constexpr double kHalfTurn = std::numbers::pi / 2.0;
 
-/// Distance to the plane across the axis at `along`, positive on the side of larger `along`. On an arc the
-/// plane turns, and only its near half counts.
+/// Distance to the plane across the axis at `along`, positive on the side of larger `along`. On an
+/// arc the plane turns, and only its near half counts.
 double PastPlane(const VoidPrimitive& primitive, const SweepPoint& point, double along_m) {
   const double ahead = point.along_m - along_m;
   if (primitive.curvature == 0.0) return ahead;
@@ -24,7 +24,8 @@ double PastPlane(const VoidPrimitive& primitive, const SweepPoint& point, double
 }  // namespace
 
 SweepPoint ToSweep(const VoidPrimitive& primitive, const Vector3d& p_W) {
-  // The inverse of a rigid transform, written out: this is the innermost function of a physics step.
+  // The inverse of a rigid transform, written out: this is the innermost function of a physics
+  // step.
   const Vector3d q = primitive.X_WS.linear().transpose() * (p_W - primitive.X_WS.translation());
   if (primitive.curvature == 0.0) return {q.x(), q.y(), q.z()};
   const double sign = primitive.curvature > 0.0 ? 1.0 : -1.0;
@@ -44,7 +45,8 @@ Eigen::Isometry3d AxisPose(const VoidPrimitive& primitive, double along_m) {
   } else {
     const double angle = along_m * primitive.curvature;
     X_SA.linear() = Eigen::AngleAxisd(angle, Vector3d::UnitZ()).toRotationMatrix();
-    X_SA.translation() = Vector3d(std::sin(angle), 1.0 - std::cos(angle), 0.0) / primitive.curvature;
+    X_SA.translation() =
+        Vector3d(std::sin(angle), 1.0 - std::cos(angle), 0.0) / primitive.curvature;
   }
   return primitive.X_WS * X_SA;
 }
@@ -67,18 +69,22 @@ Walls WallsAround(const VoidPrimitive& primitive, const Vector3d& p_W) {
     walls.wall[static_cast<std::size_t>(walls.count++)] = {distance, R_WS * normal_S};
   };
   if (primitive.profile == Profile::kU && point.up_m > 0.0) {
-    add(primitive.radius_m - std::abs(point.left_m), point.left_m > 0.0 ? Vector3d(-left_S) : left_S);
+    add(primitive.radius_m - std::abs(point.left_m),
+        point.left_m > 0.0 ? Vector3d(-left_S) : left_S);
   } else {
     const double off_axis = std::hypot(point.left_m, point.up_m);
-    const Vector3d inward_S = off_axis > 0.0 ? Vector3d(-(point.left_m * left_S + point.up_m * Vector3d::UnitZ()) /
-                                                        off_axis)
-                                             : Vector3d::UnitZ();
+    const Vector3d inward_S =
+        off_axis > 0.0
+            ? Vector3d(-(point.left_m * left_S + point.up_m * Vector3d::UnitZ()) / off_axis)
+            : Vector3d::UnitZ();
     add(primitive.radius_m - off_axis, inward_S);
   }
   add(PastPlane(primitive, point, 0.0), Vector3d::UnitX());
   const double turn = primitive.length_m * primitive.curvature;
-  add(-PastPlane(primitive, point, primitive.length_m), Vector3d(-std::cos(turn), -std::sin(turn), 0.0));
-  if (primitive.profile == Profile::kU) add(primitive.wall_height_m - point.up_m, -Vector3d::UnitZ());
+  add(-PastPlane(primitive, point, primitive.length_m),
+      Vector3d(-std::cos(turn), -std::sin(turn), 0.0));
+  if (primitive.profile == Profile::kU)
+    add(primitive.wall_height_m - point.up_m, -Vector3d::UnitZ());
   return walls;
 }
 
@@ -88,18 +94,20 @@ double InsideDistance(const VoidPrimitive& primitive, const Vector3d& p_W) {
                           ? std::min(primitive.radius_m - std::abs(point.left_m),
                                      primitive.wall_height_m - point.up_m)
                           : primitive.radius_m - std::hypot(point.left_m, point.up_m);
-  return std::min({side, PastPlane(primitive, point, 0.0),
-                   -PastPlane(primitive, point, primitive.length_m)});
+  return std::min(
+      {side, PastPlane(primitive, point, 0.0), -PastPlane(primitive, point, primitive.length_m)});
 }
 
 Eigen::AlignedBox3d BoundingBox(const VoidPrimitive& primitive) {
-  const double top = primitive.profile == Profile::kU ? primitive.wall_height_m : primitive.radius_m;
+  const double top =
+      primitive.profile == Profile::kU ? primitive.wall_height_m : primitive.radius_m;
   // Between samples an arc bulges out of its chord by at most its sagitta.
   const double turn = std::abs(primitive.length_m * primitive.curvature);
   const int steps = 1 + static_cast<int>(std::ceil(turn / 0.2));
   const double step = primitive.length_m / steps;
-  const double sagitta =
-      turn > 0.0 ? (1.0 - std::cos(0.5 * step * std::abs(primitive.curvature))) / std::abs(primitive.curvature) : 0.0;
+  const double sagitta = turn > 0.0 ? (1.0 - std::cos(0.5 * step * std::abs(primitive.curvature))) /
+                                          std::abs(primitive.curvature)
+                                    : 0.0;
   Eigen::AlignedBox3d box;
   for (int i = 0; i <= steps; ++i) {
     const Eigen::Isometry3d X_WA = AxisPose(primitive, i * step);

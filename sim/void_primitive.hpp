@@ -11,31 +11,31 @@ enum class Feature : std::uint8_t { kStraight, kBend, kJoint, kInlet, kShaft, kC
 
 /// A locally flat wall near a point: the void lies where distance is positive.
 struct Wall {
-  double distance_m{};                                     ///< signed, positive inside the void
-  Eigen::Vector3d normal_W{Eigen::Vector3d::Zero()};       ///< unit, into the void
+  double distance_m{};                                ///< signed, positive inside the void
+  Eigen::Vector3d normal_W{Eigen::Vector3d::Zero()};  ///< unit, into the void
 };
 
 /// Cross-section of a sweep, in its axis frame's y-z plane.
 enum class Profile : std::uint8_t {
-  kRound,   ///< a circle
-  kU        ///< lower half circle, vertical sides from the axis up to the wall height
+  kRound,  ///< a circle
+  kU       ///< lower half circle, vertical sides from the axis up to the wall height
 };
 
-/// One convex-walled piece of empty space: a profile swept along a straight or circular axis, closed by a
-/// flat cap at both ends. Pipes, bends, joint grooves, inlets, channels and (upright) shafts are all sweeps;
-/// the sewer is their union.
+/// One convex-walled piece of empty space: a profile swept along a straight or circular axis,
+/// closed by a flat cap at both ends. Pipes, bends, joint grooves, inlets, channels and (upright)
+/// shafts are all sweeps; the sewer is their union.
 ///
-/// Frame S stands at the start of the axis: x along it, y left, z towards the crown. The axis bends in
-/// S's x-y plane, to the left for positive curvature.
+/// Frame S stands at the start of the axis: x along it, y left, z towards the crown. The axis bends
+/// in S's x-y plane, to the left for positive curvature.
 struct VoidPrimitive {
   Eigen::Isometry3d X_WS{Eigen::Isometry3d::Identity()};
-  double length_m{};             ///< along the axis, > 0
-  double curvature{};            ///< 1 / radius of the axis [1/m], 0 if straight; |curvature| * radius_m < 1
-  double radius_m{};             ///< of the profile
+  double length_m{};   ///< along the axis, > 0
+  double curvature{};  ///< 1 / radius of the axis [1/m], 0 if straight; |curvature| * radius_m < 1
+  double radius_m{};   ///< of the profile
   Profile profile{Profile::kRound};
-  double wall_height_m{};        ///< kU only: top of the sides above the axis
+  double wall_height_m{};  ///< kU only: top of the sides above the axis
   Feature feature{Feature::kStraight};
-  std::uint32_t part{};          ///< index into the sewer's parts (pipe or manhole it came from)
+  std::uint32_t part{};  ///< index into the sewer's parts (pipe or manhole it came from)
   /// Chainage of the axis' start in its pipe, for texture and truth; 0 for manholes.
   double start_chainage_m{};
 };
@@ -59,7 +59,8 @@ struct Walls {
 };
 [[nodiscard]] Walls WallsAround(const VoidPrimitive& primitive, const Eigen::Vector3d& p_W);
 
-/// Smallest wall distance: positive inside the void, negative outside (there a lower bound of its distance).
+/// Smallest wall distance: positive inside the void, negative outside (there a lower bound of its
+/// distance).
 [[nodiscard]] double InsideDistance(const VoidPrimitive& primitive, const Eigen::Vector3d& p_W);
 
 /// Corners of an axis-aligned box around the primitive.

@@ -1,5 +1,5 @@
-// How much faster than time the physics alone runs, and how much of a step is the contact function: a wheel's search
-// beside MuJoCo's whole step in the same program. One thread.
+// How much faster than time the physics alone runs, and how much of a step is the contact function:
+// a wheel's search beside MuJoCo's whole step in the same program. One thread.
 #include <benchmark/benchmark.h>
 
 #include <filesystem>
@@ -52,12 +52,15 @@ void DriveFrom(benchmark::State& state, const StartPose& start, double drive_s) 
   state.counters["real_time_factor"] = benchmark::Counter(simulated_s, benchmark::Counter::kIsRate);
 }
 
-void BM_StraightPipe(benchmark::State& state) { DriveFrom(state, {"P1", 0.5, true, 0.0, 0.0}, 30.0); }
+void BM_StraightPipe(benchmark::State& state) {
+  DriveFrom(state, {"P1", 0.5, true, 0.0, 0.0}, 30.0);
+}
 void BM_AcrossATee(benchmark::State& state) { DriveFrom(state, {"P2", 6.6, true, 0.0, 0.0}, 8.0); }
 BENCHMARK(BM_StraightPipe)->Unit(benchmark::kMicrosecond)->MinTime(2.0);
 BENCHMARK(BM_AcrossATee)->Unit(benchmark::kMicrosecond)->MinTime(2.0);
 
-/// Everything the contact function does in one step: four wheels and every box, where the robot stands.
+/// Everything the contact function does in one step: four wheels and every box, where the robot
+/// stands.
 void Contacts(benchmark::State& state, const StartPose& start) {
   Physics physics(TheBench().field, TheBench().description, TheBench().Options());
   TheBench().Start(physics, start);
@@ -74,7 +77,9 @@ void Contacts(benchmark::State& state, const StartPose& start) {
     benchmark::DoNotOptimize(count);
   }
 }
-void BM_ContactInAStraightPipe(benchmark::State& state) { Contacts(state, {"P1", 2.5, true, 0.0, 0.0}); }
+void BM_ContactInAStraightPipe(benchmark::State& state) {
+  Contacts(state, {"P1", 2.5, true, 0.0, 0.0});
+}
 void BM_ContactAtAJoint(benchmark::State& state) { Contacts(state, {"P1", 1.68, true, 0.0, 0.0}); }
 BENCHMARK(BM_ContactInAStraightPipe)->Unit(benchmark::kMicrosecond);
 BENCHMARK(BM_ContactAtAJoint)->Unit(benchmark::kMicrosecond);

@@ -30,7 +30,7 @@ struct PipeView {
   double camera_right_m{}, camera_down_m{};  ///< camera off the axis
   double yaw_rad{}, pitch_rad{};             ///< camera turned to the right, and up
   std::vector<ViewedJoint> joints{};
-  std::optional<double> mouth_m{};///< pipe ends here in a manhole of 0.8 m, benching to the crown
+  std::optional<double> mouth_m{};  ///< pipe ends here in a manhole of 0.8 m, benching to the crown
   std::vector<ViewedCrack> cracks{};
   double texture{0.05};  ///< relative speckle of the wall, patches of 8 mm
   double noise{1.0};     ///< grey levels, standard deviation

@@ -23,7 +23,7 @@ using Eigen::Vector3d;
 struct WallPoint {
   Vector3d p_W;
   Vector3d normal_W;
-  bool on_edge{};   ///< another wall within 5 mm
+  bool on_edge{};  ///< another wall within 5 mm
 };
 
 /// The six kinds of place that the three are compared at.
@@ -31,9 +31,10 @@ enum class Place { kStraight, kJoint, kMouth, kChannel, kBend, kInlet };
 
 class Agreement : public testing::Test {
  protected:
-  static constexpr double kBack_m = 0.03;    ///< looked at from so far inside the void
+  static constexpr double kBack_m = 0.03;  ///< looked at from so far inside the void
 
-  Sewer sewer_ = BuildSewer(network::ReadNetwork(KANTARO_SOURCE_DIR "/models/networks/test_field.yaml"));
+  Sewer sewer_ =
+      BuildSewer(network::ReadNetwork(KANTARO_SOURCE_DIR "/models/networks/test_field.yaml"));
   VoidField field_{sewer_.voids};
   SurfaceMesh mesh_ = Tessellate(sewer_.voids);
   RayCaster rays_{mesh_};
@@ -41,24 +42,32 @@ class Agreement : public testing::Test {
 
   static bool Matches(const VoidPrimitive& v, Place place) {
     switch (place) {
-      case Place::kStraight: return v.feature == Feature::kStraight;
-      case Place::kMouth: return v.feature == Feature::kStraight || v.feature == Feature::kInlet;
-      case Place::kJoint: return v.feature == Feature::kJoint;
-      case Place::kChannel: return v.feature == Feature::kChannel;
-      case Place::kBend: return v.feature == Feature::kBend;
-      case Place::kInlet: return v.feature == Feature::kInlet;
+      case Place::kStraight:
+        return v.feature == Feature::kStraight;
+      case Place::kMouth:
+        return v.feature == Feature::kStraight || v.feature == Feature::kInlet;
+      case Place::kJoint:
+        return v.feature == Feature::kJoint;
+      case Place::kChannel:
+        return v.feature == Feature::kChannel;
+      case Place::kBend:
+        return v.feature == Feature::kBend;
+      case Place::kInlet:
+        return v.feature == Feature::kInlet;
     }
     return false;
   }
 
-  /// A point of the side of one primitive, drawn evenly; for mouths, within 10 mm of its start (or of the pipe's
-  /// wall, where an inlet begins).
+  /// A point of the side of one primitive, drawn evenly; for mouths, within 10 mm of its start (or
+  /// of the pipe's wall, where an inlet begins).
   Vector3d DrawOnSide(const VoidPrimitive& v, Place place, RandomStream& random) const {
     double along = random.Uniform(0.0, v.length_m);
-    if (place == Place::kMouth) along = random.Uniform(0.0, v.feature == Feature::kInlet ? 0.16 : 0.010);
+    if (place == Place::kMouth)
+      along = random.Uniform(0.0, v.feature == Feature::kInlet ? 0.16 : 0.010);
     const double around = random.Uniform(0.0, 2.0 * std::numbers::pi);
     SweepPoint point{along, v.radius_m * std::cos(around), v.radius_m * std::sin(around)};
-    if (v.profile == Profile::kU && point.up_m > 0.0) point.left_m = std::copysign(v.radius_m, point.left_m);
+    if (v.profile == Profile::kU && point.up_m > 0.0)
+      point.left_m = std::copysign(v.radius_m, point.left_m);
     return FromSweep(v, point);
   }
 
@@ -73,22 +82,27 @@ class Agreement : public testing::Test {
       const Vector3d p = DrawOnSide(v, place, random);
       const Walls walls = WallsAround(v, p);
       const Vector3d n = walls.wall[0].normal_W;
-      const bool taken = std::any_of(sewer_.voids.begin(), sewer_.voids.end(), [&](const VoidPrimitive& other) {
-        return &other != &v && InsideDistance(other, p) > 1e-5;
-      });
+      const bool taken =
+          std::any_of(sewer_.voids.begin(), sewer_.voids.end(), [&](const VoidPrimitive& other) {
+            return &other != &v && InsideDistance(other, p) > 1e-5;
+          });
       const bool capped = std::any_of(walls.wall.begin() + 1, walls.wall.begin() + walls.count,
                                       [](const Wall& wall) { return wall.distance_m < 0.0; });
       if (taken || capped) continue;
       const double back = place == Place::kJoint ? 0.003 : kBack_m;
-      if (VoidField::NearestWall(field_.Around(p + back * n, 0.1), p + back * n, 0.1).distance_m < 0.5 * back) continue;
+      if (VoidField::NearestWall(field_.Around(p + back * n, 0.1), p + back * n, 0.1).distance_m <
+          0.5 * back)
+        continue;
       // On an edge the wall of a probe beside the point is another one.
       const Vector3d probe = p + 0.005 * n;
-      const double nearest = VoidField::NearestWall(field_.Around(probe, 0.05), probe, 0.05).distance_m;
+      const double nearest =
+          VoidField::NearestWall(field_.Around(probe, 0.05), probe, 0.05).distance_m;
       bool edge = nearest < 0.0049;
       for (const Vector3d& side : {n.unitOrthogonal().eval(), n.cross(n.unitOrthogonal()).eval()}) {
         for (const double sign : {-0.005, 0.005}) {
           const Vector3d beside = p + sign * side;
-          const double there = VoidField::NearestWall(field_.Around(beside, 0.05), beside, 0.05).distance_m;
+          const double there =
+              VoidField::NearestWall(field_.Around(beside, 0.05), beside, 0.05).distance_m;
           edge = edge || std::abs(there) > 0.001;
         }
       }

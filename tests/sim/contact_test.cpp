@@ -18,10 +18,12 @@ VoidPrimitive Pipe(double radius_m) {
   return pipe;
 }
 
-/// A wheel whose plane holds the pipe's axis direction and the direction to the wall: it meets the wall squarely.
+/// A wheel whose plane holds the pipe's axis direction and the direction to the wall: it meets the
+/// wall squarely.
 Torus SquareWheel(double lean_rad, double center_from_axis_m) {
   const Vector3d down(0.0, std::sin(lean_rad), -std::cos(lean_rad));
-  return {Vector3d(2.0, 0.0, 0.0) + center_from_axis_m * down, Vector3d::UnitX().cross(down), 0.033, 0.012};
+  return {Vector3d(2.0, 0.0, 0.0) + center_from_axis_m * down, Vector3d::UnitX().cross(down), 0.033,
+          0.012};
 }
 
 TEST(TorusContacts, AWheelStandsOnOnePointOfARoundWall) {
@@ -41,7 +43,8 @@ TEST(TorusContacts, KeepsOffWhatIsFartherThanTheMargin) {
   EXPECT_EQ(TorusContacts(field, SquareWheel(0.5, 0.125 - 0.045 - 0.003), 0.004).size(), 1u);
 }
 
-// A wheel in front of a step (the mouth of a narrower pipe, on the same axis) touches the floor and the edge.
+// A wheel in front of a step (the mouth of a narrower pipe, on the same axis) touches the floor and
+// the edge.
 TEST(TorusContacts, FindsFloorAndEdgeAtAStep) {
   VoidPrimitive wide = Pipe(0.150);
   wide.length_m = 2.0;
@@ -50,8 +53,10 @@ TEST(TorusContacts, FindsFloorAndEdgeAtAStep) {
   const VoidField field({wide, narrow});
   // Upright wheel on the invert: the edge, 10 mm high, is touched where the rim's circle passes it.
   const double hub_above_floor = 0.045;
-  const double ahead = std::sqrt(0.045 * 0.045 - (hub_above_floor - 0.010) * (hub_above_floor - 0.010));
-  Torus wheel{Vector3d(2.0 - ahead, 0.0, -0.150 + hub_above_floor), Vector3d::UnitY(), 0.033, 0.012};
+  const double ahead =
+      std::sqrt(0.045 * 0.045 - (hub_above_floor - 0.010) * (hub_above_floor - 0.010));
+  Torus wheel{Vector3d(2.0 - ahead, 0.0, -0.150 + hub_above_floor), Vector3d::UnitY(), 0.033,
+              0.012};
   const auto contacts = TorusContacts(field, wheel, 0.0005);
   ASSERT_EQ(contacts.size(), 2u);
   for (const WallContact& contact : contacts) EXPECT_NEAR(contact.distance_m, 0.0, 0.0003);
@@ -63,16 +68,21 @@ TEST(BoxContacts, ABoxLyingInAPipeIsHeldAtBothEndsAndBothSides) {
   const VoidField field({Pipe(0.150)});
   SolidBox box;
   box.half_m = {0.14, 0.035, 0.03};
-  // Lower edges at y = ±35 mm rest on the wall where it is sqrt(150² − 35²) below the axis; 1 mm deeper.
-  box.X_WB.translation() = Vector3d(2.0, 0.0, -(std::sqrt(0.150 * 0.150 - 0.035 * 0.035) - 0.03 + 0.001));
+  // Lower edges at y = ±35 mm rest on the wall where it is sqrt(150² − 35²) below the axis; 1 mm
+  // deeper.
+  box.X_WB.translation() =
+      Vector3d(2.0, 0.0, -(std::sqrt(0.150 * 0.150 - 0.035 * 0.035) - 0.03 + 0.001));
   const auto contacts = BoxContacts(field, box, 0.0);
   // However many there are along an edge, its ends are among them: all four lower corners.
   for (const double ahead : {-1.0, 1.0}) {
     for (const double left : {-1.0, 1.0}) {
-      EXPECT_TRUE(std::any_of(contacts.begin(), contacts.end(), [&](const WallContact& contact) {
-        const Vector3d from_middle = contact.p_WC - box.X_WB.translation();
-        return ahead * from_middle.x() > 0.1 && left * from_middle.y() > 0.02 && contact.distance_m < 0.0;
-      })) << ahead << " " << left;
+      EXPECT_TRUE(std::any_of(contacts.begin(), contacts.end(),
+                              [&](const WallContact& contact) {
+                                const Vector3d from_middle = contact.p_WC - box.X_WB.translation();
+                                return ahead * from_middle.x() > 0.1 &&
+                                       left * from_middle.y() > 0.02 && contact.distance_m < 0.0;
+                              }))
+          << ahead << " " << left;
     }
   }
 }

@@ -15,7 +15,8 @@ constexpr double kGravity_m_s2 = 9.81;
 class PhysicsTest : public testing::Test {
  protected:
   robot::Description description_ = robot::ReadDescription(KANTARO_SOURCE_DIR "/models/kantaro");
-  Sewer sewer_ = BuildSewer(network::ReadNetwork(KANTARO_SOURCE_DIR "/models/networks/test_field.yaml"));
+  Sewer sewer_ =
+      BuildSewer(network::ReadNetwork(KANTARO_SOURCE_DIR "/models/networks/test_field.yaml"));
   VoidField field_{sewer_.voids};
 
   Physics Make(double friction = 0.7) const {
@@ -44,7 +45,8 @@ TEST_F(PhysicsTest, WallForcesCarryTheWeight) {
     mj_contactForce(&physics.model(), &physics.data(), i, force.data());
     const mjtNum* frame = physics.data().contact[i].frame;
     for (int axis = 0; axis < 3; ++axis) {
-      sum += force[static_cast<std::size_t>(axis)] * Eigen::Vector3d(frame[3 * axis], frame[3 * axis + 1], frame[3 * axis + 2]);
+      sum += force[static_cast<std::size_t>(axis)] *
+             Eigen::Vector3d(frame[3 * axis], frame[3 * axis + 1], frame[3 * axis + 2]);
     }
   }
   const double weight = description_.TotalMass_kg() * kGravity_m_s2;
@@ -74,7 +76,7 @@ TEST_F(PhysicsTest, SettlesAtTheDepthThatGeometryGives) {
 TEST_F(PhysicsTest, RollsAsFarAsItsWheelsTurnOnDryPlastic) {
   Physics physics = Make(0.7);
   physics.Place(sewer_, {"P1", 1.0, true, 0.0, 0.0});
-  (void)DriveFor(physics, 1.0, 0.12 / 0.045);   // past the start's jerk
+  (void)DriveFor(physics, 1.0, 0.12 / 0.045);  // past the start's jerk
   const double angle = physics.WheelAngles()[0];
   const double travelled = DriveFor(physics, 10.0, 0.12 / 0.045);
   const double rolled = 0.045 * (physics.WheelAngles()[0] - angle);
@@ -95,7 +97,7 @@ TEST_F(PhysicsTest, RepeatsToTheBit) {
   for (Eigen::Isometry3d& X_WB : end) {
     Physics physics = Make();
     physics.Place(sewer_, {"P1", 5.5, true, 0.01, 0.02});
-    (void)DriveFor(physics, 6.0, 0.12 / 0.045);   // through the first manhole's mouth
+    (void)DriveFor(physics, 6.0, 0.12 / 0.045);  // through the first manhole's mouth
     X_WB = physics.PoseOfBase();
   }
   EXPECT_TRUE((end[0].matrix().array() == end[1].matrix().array()).all());

@@ -31,12 +31,14 @@ Eigen::Isometry3d At(double x, double y, double z) {
   return Eigen::Isometry3d(Eigen::Translation3d(x, y, z));
 }
 
-std::vector<LaserScanner::Completed> ScanOneSecond(const RayCaster& rays, const Eigen::Isometry3d& X_WL) {
+std::vector<LaserScanner::Completed> ScanOneSecond(const RayCaster& rays,
+                                                   const Eigen::Isometry3d& X_WL) {
   LaserScanner scanner(Table51(), rays, RandomStream(1, "laser"));
   return scanner.Scan(0.0, 1.0, X_WL, X_WL);
 }
 
-// On the axis every beam of a revolution travels exactly one radius, but for the accuracy of Table 5.1.
+// On the axis every beam of a revolution travels exactly one radius, but for the accuracy of
+// Table 5.1.
 TEST(LaserScanner, ReadsThePipeRadiusOnItsAxis) {
   const std::vector<VoidPrimitive> pipe{Pipe(0.150)};
   const RayCaster rays(Tessellate(pipe));
@@ -46,7 +48,7 @@ TEST(LaserScanner, ReadsThePipeRadiusOnItsAxis) {
   double sum = 0.0;
   for (const robot::LaserSample& sample : revolutions[3].revolution.samples) {
     EXPECT_EQ(sample.status, robot::RangeStatus::kValid);
-    EXPECT_NEAR(sample.range_m, 0.150, 0.001 + 0.0002);   // accuracy and mesh sagitta
+    EXPECT_NEAR(sample.range_m, 0.150, 0.001 + 0.0002);  // accuracy and mesh sagitta
     sum += sample.range_m;
   }
   EXPECT_EQ(revolutions[3].revolution.samples.size(), 336u);
@@ -77,7 +79,8 @@ TEST(LaserScanner, SaysTooNearAndTooFar) {
 }
 
 TEST(LaserScanner, MovesWithTheRobotDuringARevolution) {
-  // A pipe that ends: the scanner passes from inside a shaft-like wide void into the pipe halfway through the turn.
+  // A pipe that ends: the scanner passes from inside a shaft-like wide void into the pipe halfway
+  // through the turn.
   VoidPrimitive wide = Pipe(0.180);
   wide.length_m = 2.0;
   VoidPrimitive narrow = Pipe(0.120);
@@ -110,9 +113,11 @@ TEST(Infrared, FallsWithTheDistance) {
     const std::vector<VoidPrimitive> pipe{Pipe(radius)};
     const RayCaster rays(Tessellate(pipe));
     Eigen::Isometry3d X_WS = At(2.0, 0.0, 0.0);
-    X_WS.linear() = Eigen::AngleAxisd(-std::numbers::pi / 2.0, Eigen::Vector3d::UnitY()).toRotationMatrix();   // x up
+    X_WS.linear() = Eigen::AngleAxisd(-std::numbers::pi / 2.0, Eigen::Vector3d::UnitY())
+                        .toRotationMatrix();  // x up
     const double ratio = radius / 0.150;
-    EXPECT_NEAR(MeasureInfrared(sensor, rays, X_WS, noise).value, 1.0 / (1.0 + ratio * ratio), 0.002);
+    EXPECT_NEAR(MeasureInfrared(sensor, rays, X_WS, noise).value, 1.0 / (1.0 + ratio * ratio),
+                0.002);
   }
 }
 

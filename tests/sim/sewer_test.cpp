@@ -43,8 +43,8 @@ TEST(Sewer, EveryPipeIsOpenFromShaftToShaft) {
   }
 }
 
-// Benching that reaches the crown: from the middle of a straight manhole, at the height of the axis, the sides are as
-// near as in the pipe and only the top is open (thesis Table 5.3, status 1).
+// Benching that reaches the crown: from the middle of a straight manhole, at the height of the
+// axis, the sides are as near as in the pipe and only the top is open (thesis Table 5.3, status 1).
 TEST(Sewer, APlainManholeOpensOnlyTheTop) {
   const Sewer sewer = TestField();
   const VoidField field(sewer.voids);
@@ -60,7 +60,7 @@ TEST(Sewer, ATeeOpensTheSideOfItsBranchToo) {
   const VoidField field(sewer.voids);
   const network::Manhole& manhole = sewer.network.ManholeNamed("M2");
   const Vector3d p = manhole.p_WM + Vector3d(0.0, 0.0, 0.15);
-  EXPECT_GT(March(field, p, Vector3d::UnitY(), 2.0), 1.9);      // down the branch to the left
+  EXPECT_GT(March(field, p, Vector3d::UnitY(), 2.0), 1.9);  // down the branch to the left
   EXPECT_NEAR(March(field, p, -Vector3d::UnitY(), 2.0), 0.15, 1e-3);
   EXPECT_GT(March(field, p, Vector3d::UnitZ(), 2.0), 1.0);
 }
@@ -87,7 +87,8 @@ TEST(Sewer, JointsAreGroovesOfTheirDepth) {
   const std::size_t pipe = sewer.network.FindPipe("P1").value();
   for (const network::Joint& joint : sewer.network.pipes[pipe].joints) {
     const Eigen::Isometry3d X_WP = sewer.axes[pipe].PoseAt(joint.chainage_m);
-    EXPECT_NEAR(March(field, X_WP.translation(), X_WP.linear().col(2), 0.5), 0.150 + joint.depth_m, 1e-4);
+    EXPECT_NEAR(March(field, X_WP.translation(), X_WP.linear().col(2), 0.5), 0.150 + joint.depth_m,
+                1e-4);
   }
 }
 

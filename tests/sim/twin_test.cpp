@@ -21,7 +21,8 @@ constexpr double kCruise_rad_s = 0.12 / 0.045;
 class TwinTest : public testing::Test {
  protected:
   robot::Description description_ = robot::ReadDescription(KANTARO_SOURCE_DIR "/models/kantaro");
-  network::Network network_ = network::ReadNetwork(KANTARO_SOURCE_DIR "/models/networks/test_field.yaml");
+  network::Network network_ =
+      network::ReadNetwork(KANTARO_SOURCE_DIR "/models/networks/test_field.yaml");
 
   Conditions StartIn(const std::string& pipe, double chainage_m) const {
     Conditions conditions;
@@ -36,7 +37,9 @@ void Add(Sha256& hash, const void* data, std::size_t size) {
   hash.Add({static_cast<const std::byte*>(data), size});
 }
 
-void Add(Sha256& hash, const cv::Mat& image) { Add(hash, image.data, image.total() * image.elemSize()); }
+void Add(Sha256& hash, const cv::Mat& image) {
+  Add(hash, image.data, image.total() * image.elemSize());
+}
 
 /// A digest of all that a twin says until its time is up.
 std::string Digest(Twin& twin) {
@@ -46,7 +49,8 @@ std::string Digest(Twin& twin) {
     const auto time = reading->captured_at.count();
     Add(hash, &time, sizeof time);
     if (const auto* laser = std::get_if<robot::LaserRevolution>(&reading->value)) {
-      for (const robot::LaserSample& sample : laser->samples) Add(hash, &sample.range_m, sizeof sample.range_m);
+      for (const robot::LaserSample& sample : laser->samples)
+        Add(hash, &sample.range_m, sizeof sample.range_m);
     } else if (const auto* front = std::get_if<robot::FrontImage>(&reading->value)) {
       Add(hash, front->image);
     } else if (const auto* stereo = std::get_if<robot::StereoPair>(&reading->value)) {
@@ -78,7 +82,7 @@ TEST_F(TwinTest, HandsOverEverySensorInOrderAtItsRate) {
       EXPECT_EQ(stereo->right.size(), cv::Size(640, 480));
     }
   }
-  EXPECT_EQ(count[0], 9);      // 5 Hz for 2 s; the last is still on its way (60 ms)
+  EXPECT_EQ(count[0], 9);  // 5 Hz for 2 s; the last is still on its way (60 ms)
   EXPECT_EQ(count[1], 9);
   EXPECT_NEAR(count[2], 60, 1);
   EXPECT_EQ(count[3], 100);
@@ -94,7 +98,8 @@ TEST_F(TwinTest, TheLaserSeesThePipeAndThenOnlyTheTopOfAPlainManhole) {
     }
     throw std::logic_error("no revolution arrived");
   };
-  for (const robot::LaserSample& sample : next_turn(twin).samples) EXPECT_NEAR(sample.range_m, 0.150, 0.006);
+  for (const robot::LaserSample& sample : next_turn(twin).samples)
+    EXPECT_NEAR(sample.range_m, 0.150, 0.006);
 }
 
 TEST_F(TwinTest, RepeatsToTheBitWhateverTheNumberOfRenderThreads) {
@@ -144,7 +149,8 @@ TEST_F(TwinTest, WheelsSlipWhereTheyFindNoGrip) {
   twin.Apply({kCruise_rad_s, kCruise_rad_s, 1.0});
   double rolled = 0.0;
   while (const auto reading = twin.Read()) {
-    if (const auto* wheels = std::get_if<robot::WheelEncoders>(&reading->value)) rolled = 0.045 * wheels->angle_rad[0];
+    if (const auto* wheels = std::get_if<robot::WheelEncoders>(&reading->value))
+      rolled = 0.045 * wheels->angle_rad[0];
   }
   EXPECT_GT(rolled, 0.2);
   EXPECT_GE(twin.Truth().chainage_m, from);
@@ -155,7 +161,7 @@ TEST_F(TwinTest, RefusesCommandsThatAreNoNumbers) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(twin.Apply({nan, 0.0, 1.0}), std::invalid_argument);
   EXPECT_THROW(twin.Apply({0.0, 0.0, 1.5}), std::invalid_argument);
-  EXPECT_NO_THROW(twin.Apply({1000.0, 1000.0, 1.0}));   // clamped by the motors
+  EXPECT_NO_THROW(twin.Apply({1000.0, 1000.0, 1.0}));  // clamped by the motors
 }
 
 }  // namespace
