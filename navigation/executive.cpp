@@ -191,26 +191,37 @@ void Executive::See(const perception::RingObservation& rings) {
     const double error_m =
         parameters_.ring_error_m * std::max(1.0, ring.distance_m * ring.distance_m);
     if (ring.kind == perception::RingKind::kManholeMouth) {
-      if (!end_wall_seen_ && localiser_.to_end_deviation_m() > error_m)
-        localiser_.SeeEndWall(ahead_m, error_m);
+      if (!end_wall_seen_ && !mouths_deceive_ && localiser_.to_end_deviation_m() > error_m) {
+        mouth_believed_ = localiser_.SeeEndWall(ahead_m, error_m) || mouth_believed_;
+      }
       continue;
     }
-    // The joint that the map has nearest to where the ring is.
-    const MapLandmark* nearest = nullptr;
-    double least = std::numeric_limits<double>::infinity();
-    for (const MapLandmark& landmark : Leg().landmarks) {
-      if (landmark.kind != LandmarkKind::kJoint) continue;
-      const double expected = landmark.distance_m / Leg().length_m * localiser_.length_m();
-      const double error = std::abs(localiser_.distance_m() + ahead_m - expected);
-      if (error < least) {
-        least = error;
-        nearest = &landmark;
+    if (const MapLandmark* joint = JointAt(localiser_.distance_m() + ahead_m)) {
+      if (localiser_.to_landmark_deviation_m(joint->distance_m) > error_m) {
+        localiser_.SeeLandmark(joint->distance_m, ahead_m, error_m);
       }
     }
-    if (nearest != nullptr && localiser_.to_landmark_deviation_m(nearest->distance_m) > error_m) {
-      localiser_.SeeLandmark(nearest->distance_m, ahead_m, error_m);
-    }
   }
+}
+
+const MapLandmark* Executive::JointAt(double distance_m) const {
+  const MapLandmark* nearest = nullptr;
+  double least_m = std::numeric_limits<double>::infinity();
+  double second_m = least_m;
+  for (const MapLandmark& landmark : Leg().landmarks) {
+    if (landmark.kind != LandmarkKind::kJoint) continue;
+    const double expected_m = landmark.distance_m / Leg().length_m * localiser_.length_m();
+    const double error_m = std::abs(distance_m - expected_m);
+    second_m = std::min(second_m, std::max(error_m, least_m));
+    if (error_m >= least_m) continue;
+    least_m = error_m;
+    nearest = &landmark;
+  }
+  if (nearest == nullptr) return nullptr;
+  // One joint looks like the next: beyond half their spacing it could be either.
+  const double half_spacing_m = 0.5 * (least_m + second_m);
+  const double deviation_m = localiser_.to_landmark_deviation_m(nearest->distance_m);
+  return Gate(deviation_m) < half_spacing_m ? nearest : nullptr;
 }
 
 // ---- what follows from it ----
@@ -258,7 +269,7 @@ void Executive::BeginNextLeg(double distance_m, double deviation_m) {
   ++leg_;
   localiser_.Begin(Leg(), distance_m, deviation_m);
   rings_.Forget();
-  end_wall_seen_ = junction_seen_ = false;
+  end_wall_seen_ = junction_seen_ = mouth_believed_ = mouths_deceive_ = false;
   side_opened_left_.reset();
   side_opened_right_.reset();
 }
@@ -288,8 +299,7 @@ void Executive::DecideDriving() {
   const double beyond_m = -localiser_.to_end_m();
   if (!end_wall_seen_ && !Blind()) {
     if (beyond_m > Gate(localiser_.to_end_deviation_m()) + 2.0 * Leg().end_shaft_radius_m) {
-      Enter(Phase::kFailed,
-            fmt::format("manhole {} was not found where the map has it", Leg().end_manhole));
+      LookForEndWallAgain();
     }
   } else if (OnLastLeg()) {
     if (beyond_m > -geometry_.laser_x_m + kArrivalMargin_m) {
@@ -306,6 +316,17 @@ void Executive::DecideDriving() {
     BeginTurn();
   } else if (beyond_m > 2.0 * Leg().end_shaft_radius_m) {
     Enter(Phase::kFailed, fmt::format("no junction was found in manhole {}", Leg().end_manhole));
+  }
+}
+
+void Executive::LookForEndWallAgain() {
+  if (mouth_believed_ && !mouths_deceive_) {
+    mouths_deceive_ = true;
+    localiser_.ForgetLength();
+    Report(Event::Kind::kTrouble, "camera: what looked like a manhole was none");
+  } else {
+    Enter(Phase::kFailed,
+          fmt::format("manhole {} was not found where the map has it", Leg().end_manhole));
   }
 }
 

@@ -88,6 +88,8 @@ class Executive {
   void SeeTop(const perception::WindowEdge& edge);
   void SeeSide(const perception::WindowEdge& edge);
   void SeeEndWall(double sensor_x_m, double travelled_since_m, const char* sensor);
+  /// The mapped joint at a distance of the leg; null where the next one may as well be meant.
+  [[nodiscard]] const MapLandmark* JointAt(double distance_m) const;
   void SeeInlet(bool left, double passed_m);
 
   void Decide();
@@ -96,6 +98,9 @@ class Executive {
   /// Steers into the channel at its bend's start, and goes back there first if that lies behind.
   void BeginTurn();
   void Steer();
+  /// The end wall is overdue. If the camera said where it is, the camera is no longer believed on
+  /// this leg; else the mission has failed.
+  void LookForEndWallAgain();
   [[nodiscard]] Drive Act() const;
 
   void Enter(Phase phase, const std::string& why);
@@ -137,9 +142,11 @@ class Executive {
       travel_;  ///< of the last two seconds: (time, wheel travel)
   std::optional<perception::AttitudeObservation> attitude_;
 
-  bool end_wall_seen_{};  ///< by laser or IR, on this leg
-  bool junction_seen_{};  ///< on the side of the turn
-  bool top_open_{};       ///< to the laser, settled
+  bool end_wall_seen_{};   ///< by laser or IR, on this leg
+  bool mouth_believed_{};  ///< the camera's word on where the leg ends, on this leg
+  bool mouths_deceive_{};  ///< it was wrong, and is not taken again on this leg
+  bool junction_seen_{};   ///< on the side of the turn
+  bool top_open_{};        ///< to the laser, settled
   std::optional<double> side_opened_left_,
       side_opened_right_;  ///< wheel travel where the window opened
   bool infrared_up_{};

@@ -55,6 +55,13 @@ bool Localiser::SeeEndWall(double ahead_m, double deviation_m) {
   return Update({-1.0, 1.0, 0.0}, ahead_m, deviation_m, parameters_.gate_deviations);
 }
 
+void Localiser::ForgetLength() {
+  x_(1) = mapped_length_m_;
+  P_.row(1).setZero();
+  P_.col(1).setZero();
+  P_(1, 1) = Square(parameters_.map_error * mapped_length_m_);
+}
+
 bool Localiser::SeeStartWall(double behind_m, double deviation_m) {
   return Update({1.0, 0.0, 0.0}, behind_m, deviation_m, parameters_.gate_deviations);
 }

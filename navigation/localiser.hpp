@@ -30,6 +30,9 @@ class Localiser {
   /// True travel per wheel travel was measured.
   void SeeScale(double scale, double deviation);
 
+  /// What was learned of the leg's length was wrong: back to the map's, as unsure as at first.
+  void ForgetLength();
+
   /// Goes over to the next leg; the base's origin is `distance_m` beyond its start wall (usually
   /// negative: still in the manhole).
   void Begin(const MapLeg& leg, double distance_m, double deviation_m);

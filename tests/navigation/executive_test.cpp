@@ -434,6 +434,70 @@ TEST(Executive, NeverExceedsTheLimitOnAMission) {
 }
 
 // High on the left, it has climbed the left wall: steering right brings it down.
+perception::RingObservation Ring(double time_s, perception::RingKind kind, double distance_m) {
+  perception::RingObservation rings;
+  rings.captured_at = At(time_s);
+  rings.rings.push_back({kind, distance_m, 100.0, 1.0, 0.0, 0.0});
+  return rings;
+}
+
+/// One pipe of 100 m between its shafts, jointed every 1.8 m.
+network::Network LongPipe() {
+  network::Network network;
+  for (const auto& [name, x_m] : {std::pair{"A", 0.0}, std::pair{"Z", 100.8}}) {
+    network::Manhole manhole;
+    manhole.name = name;
+    manhole.p_WM.x() = x_m;
+    network.manholes.push_back(manhole);
+  }
+  network::Pipe pipe;
+  pipe.name = "AZ";
+  pipe.upstream = "A";
+  pipe.downstream = "Z";
+  pipe.diameter_m = 0.300;
+  for (double chainage_m = 1.8; chainage_m < 99.0; chainage_m += 1.8) {
+    network::Joint joint;
+    joint.chainage_m = chainage_m;
+    pipe.joints.push_back(joint);
+  }
+  network.pipes.push_back(pipe);
+  return network;
+}
+
+// 80 m into a pipe whose map may be 3 % off, 2.4 m, the joint ahead is any of three.
+TEST(Executive, TakesNoJointWhereTheNextMayAsWellBeMeant) {
+  Executive executive = Robot(LongPipe(), {"A", "Z"}, 1.0, 80.0);
+  (void)executive.Step(OdometryObservation{At(0.02), 0.0, 0.0, 0.0});
+  const Estimate before = executive.estimate();
+  (void)executive.Step(Ring(0.04, perception::RingKind::kJoint, 0.9));
+  EXPECT_EQ(executive.estimate().leg_length_m, before.leg_length_m);
+  EXPECT_EQ(executive.estimate().deviation_m, before.deviation_m);
+}
+
+TEST(Executive, TakesTheJointThatCanOnlyBeMeant) {
+  Executive executive = Robot(LongPipe(), {"A", "Z"}, 1.0, 1.0);
+  (void)executive.Step(OdometryObservation{At(0.02), 0.0, 0.0, 0.0});
+  const Estimate before = executive.estimate();
+  (void)executive.Step(Ring(0.04, perception::RingKind::kJoint, 0.6));
+  EXPECT_LT(executive.estimate().deviation_m, before.deviation_m);
+}
+
+// A mouth 1 m ahead that is none: driven past, it is unlearned, and the map holds again.
+TEST(Executive, DisbelievesAMouthThatNoWallFollows) {
+  Executive executive = Robot(LongPipe(), {"A", "Z"}, 1.0, 95.0);
+  (void)executive.Step(OdometryObservation{At(0.02), 0.0, 0.0, 0.0});
+  (void)executive.Step(Ring(0.04, perception::RingKind::kManholeMouth, 1.0));
+  EXPECT_LT(executive.estimate().leg_length_m, 97.0);
+  double time_s = 0.1;
+  for (double travel_m = 0.0; travel_m < 3.0; travel_m += 0.01) {
+    time_s += 0.1;
+    (void)executive.Step(Windows(At(time_s), {}));
+    (void)executive.Step(OdometryObservation{At(time_s), travel_m, travel_m, travel_m});
+  }
+  EXPECT_EQ(executive.phase(), Phase::kDriving);
+  EXPECT_DOUBLE_EQ(executive.estimate().leg_length_m, 100.0);
+}
+
 TEST(Executive, SteersDownhill) {
   Executive executive = Robot(TeeField(), {"A", "M"});
   const robot::Command right = executive.Step(AttitudeObservation{At(0.1), 0.1, 0.0, 0.0});
