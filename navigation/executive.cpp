@@ -18,6 +18,8 @@ using robot::Seconds;
 constexpr RunTime kTravelMemory = std::chrono::seconds(2);
 /// The laser's top window takes this long to open and close around a shaft's wall: half a window's
 /// chord.
+/// A mouth is believed once it came nearer as the robot did over so many images, 0.1 m of way.
+constexpr std::size_t kMouthSightings = 5;
 constexpr double kArrivalMargin_m = 0.02;
 /// An inlet is passed within so much; a window open for longer belongs to a junction.
 constexpr double kLongestInlet_m = 0.35;
@@ -191,7 +193,8 @@ void Executive::See(const perception::RingObservation& rings) {
     const double error_m =
         parameters_.ring_error_m * std::max(1.0, ring.distance_m * ring.distance_m);
     if (ring.kind == perception::RingKind::kManholeMouth) {
-      if (!end_wall_seen_ && !mouths_deceive_ && localiser_.to_end_deviation_m() > error_m) {
+      if (!end_wall_seen_ && !mouths_deceive_ && rings_.TimesSeen(ring) >= kMouthSightings &&
+          localiser_.to_end_deviation_m() > error_m) {
         mouth_believed_ = localiser_.SeeEndWall(ahead_m, error_m) || mouth_believed_;
       }
       continue;

@@ -67,4 +67,13 @@ std::vector<ScaleSighting> RingTracker::Follow(const std::vector<perception::Rin
   return scales;
 }
 
+std::size_t RingTracker::TimesSeen(const perception::RingSighting& ring) const {
+  for (const Track& track : tracks_) {
+    if (track.kind == ring.kind && track.distance_m.back() == ring.distance_m) {
+      return track.distance_m.size();
+    }
+  }
+  return 0;
+}
+
 }  // namespace kantaro::navigation

@@ -22,6 +22,8 @@ class RingTracker {
   /// @returns the scale from each ring that was lost after having been followed far enough.
   [[nodiscard]] std::vector<ScaleSighting> Follow(
       const std::vector<perception::RingSighting>& rings, double wheel_travel_m);
+  /// In how many images the ring was seen that this sighting, just followed, belongs to.
+  [[nodiscard]] std::size_t TimesSeen(const perception::RingSighting& ring) const;
   void Forget() { tracks_.clear(); }
 
  private:

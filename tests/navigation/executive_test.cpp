@@ -486,10 +486,16 @@ TEST(Executive, TakesTheJointThatCanOnlyBeMeant) {
 TEST(Executive, DisbelievesAMouthThatNoWallFollows) {
   Executive executive = Robot(LongPipe(), {"A", "Z"}, 1.0, 95.0);
   (void)executive.Step(OdometryObservation{At(0.02), 0.0, 0.0, 0.0});
-  (void)executive.Step(Ring(0.04, perception::RingKind::kManholeMouth, 1.0));
-  EXPECT_LT(executive.estimate().leg_length_m, 97.0);
   double time_s = 0.1;
-  for (double travel_m = 0.0; travel_m < 3.0; travel_m += 0.01) {
+  double travel_m = 0.0;
+  for (double distance_m = 1.0; distance_m > 0.85; distance_m -= 0.025) {
+    (void)executive.Step(Ring(time_s, perception::RingKind::kManholeMouth, distance_m));
+    time_s += 0.2;
+    travel_m += 0.025;
+    (void)executive.Step(OdometryObservation{At(time_s), travel_m, travel_m, travel_m});
+  }
+  EXPECT_LT(executive.estimate().leg_length_m, 97.0);
+  for (; travel_m < 3.0; travel_m += 0.01) {
     time_s += 0.1;
     (void)executive.Step(Windows(At(time_s), {}));
     (void)executive.Step(OdometryObservation{At(time_s), travel_m, travel_m, travel_m});
