@@ -16,10 +16,9 @@ using robot::RunTime;
 using robot::Seconds;
 
 constexpr RunTime kTravelMemory = std::chrono::seconds(2);
-/// The laser's top window takes this long to open and close around a shaft's wall: half a window's
-/// chord.
 /// A mouth is believed once it came nearer as the robot did over so many images, 0.1 m of way.
 constexpr std::size_t kMouthSightings = 5;
+/// The robot stands in its goal once the laser is so far inside.
 constexpr double kArrivalMargin_m = 0.02;
 /// An inlet is passed within so much; a window open for longer belongs to a junction.
 constexpr double kLongestInlet_m = 0.35;
