@@ -1,6 +1,7 @@
 #include "sim/contact.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -14,6 +15,8 @@ namespace {
 
 using Eigen::Vector3d;
 
+/// Walls taken as flat look a little too far from afar: so much of a distance is certain.
+constexpr double kTrust = 0.85;
 /// A box that lies on the wall is held at both ends.
 constexpr double kBoxSeparation_m = 0.1;
 const double kSameNormal = std::cos(25.0 * std::numbers::pi / 180.0);
@@ -75,16 +78,19 @@ class CurveSearch {
     return sample;
   }
 
-  void Search(const Sample& a, const Sample& b) const {
-    const double length = speed_ * (b.t - a.t);
-    const double least_possible = 0.5 * (kTrust * (a.wall.distance_m + b.wall.distance_m) - length);
-    if (least_possible > rounding_ + margin_) return;
-    if (length > kFinest_m) {
-      const Sample middle = At(0.5 * (a.t + b.t));
-      Search(a, middle);
-      Search(middle, b);
+  void Search(double from, double to) const {
+    const double half_m = 0.5 * speed_ * (to - from);
+    const double middle = 0.5 * (from + to);
+    const double middle_m =
+        VoidField::NearestWall(nearby_, curve_.Point(middle), kCap_m).distance_m;
+    if (kTrust * middle_m - half_m > rounding_ + margin_) return;
+    if (2.0 * half_m > kFinest_m) {
+      Search(from, middle);
+      Search(middle, to);
       return;
     }
+    const Sample a = At(from);
+    const Sample b = At(to);
     // Where a stretch lies flat on the wall, its ends are the contacts.
     const double flat = 1e-6 * speed_;
     const bool falls = a.slope < -flat;
@@ -92,7 +98,12 @@ class CurveSearch {
     if (falls && rises) Refine(a, b);
     if (falls && std::abs(b.slope) <= flat) Offer(b);
     if (std::abs(a.slope) <= flat && rises) Offer(a);
+    if (from == ends_[0]) Offer(a);
+    if (to == ends_[1]) Offer(b);
   }
+
+  /// The curve has ends that can touch the wall though it goes on falling beyond them.
+  void HasEnds(double from, double to) { ends_ = {from, to}; }
 
   void Offer(const Sample& sample) const {
     const double distance = sample.wall.distance_m - rounding_;
@@ -117,12 +128,13 @@ class CurveSearch {
   }
 
   static constexpr double kCap_m = 0.08;  // beyond it only "far" matters
-  static constexpr double kTrust = 0.85;  // walls taken as flat look a little too far from afar
   static constexpr double kFinest_m = 0.007;
 
   const Nearby& nearby_;
   const Curve& curve_;
   double speed_, rounding_, margin_;
+  std::array<double, 2> ends_{std::numeric_limits<double>::quiet_NaN(),
+                              std::numeric_limits<double>::quiet_NaN()};
   Contacts& contacts_;
 };
 
@@ -141,13 +153,10 @@ struct Segment {
 void SearchSegment(const Nearby& nearby, const Vector3d& start, const Vector3d& end, double margin,
                    Contacts& contacts) {
   const Segment segment{start, end - start};
-  const CurveSearch<Segment> search(nearby, segment, segment.along.norm(), kBoxRounding_m, margin,
-                                    contacts);
-  const auto first = search.At(0.0);
-  const auto last = search.At(1.0);
-  search.Search(first, last);
-  search.Offer(first);
-  search.Offer(last);
+  CurveSearch<Segment> search(nearby, segment, segment.along.norm(), kBoxRounding_m, margin,
+                              contacts);
+  search.HasEnds(0.0, 1.0);
+  search.Search(0.0, 1.0);
 }
 
 Vector3d ToEigen(const mjtNum* v) { return {v[0], v[1], v[2]}; }
@@ -229,20 +238,18 @@ std::vector<WallContact> TorusContacts(const VoidField& field, const Torus& toru
   const CurveSearch<Circle> search(nearby, circle, torus.ring_m, torus.tread_m, margin_m, contacts);
   constexpr int kStart = 8;
   constexpr double kStep = 2.0 * std::numbers::pi / kStart;
-  const auto first = search.At(0.0);
-  auto before = first;
-  for (int i = 1; i <= kStart; ++i) {
-    auto next = i == kStart ? first : search.At(i * kStep);
-    next.t = i * kStep;
-    search.Search(before, next);
-    before = next;
-  }
+  for (int i = 0; i < kStart; ++i) search.Search(i * kStep, (i + 1) * kStep);
   return contacts.Take();
 }
 
 std::vector<WallContact> BoxContacts(const VoidField& field, const SolidBox& box, double margin_m) {
   const Nearby nearby = field.Around(
       box.X_WB.translation(), std::min(box.half_m.norm() + margin_m, VoidField::kLargestReach_m));
+  // Most boxes are nowhere near a wall.
+  const double reach_m = box.half_m.norm() + margin_m;
+  const double room_m =
+      VoidField::NearestWall(nearby, box.X_WB.translation(), 2.0 * reach_m).distance_m;
+  if (kTrust * room_m > reach_m) return {};
   const Vector3d inner = (box.half_m.array() - kBoxRounding_m).max(0.0);
   const auto corner = [&](double x, double y, double z) {
     return Vector3d(box.X_WB * inner.cwiseProduct(Vector3d(x, y, z)));
