@@ -16,7 +16,15 @@ template <>
 inline constexpr std::array<std::string_view, 4> kWords<Material>{"pvc", "clay", "concrete",
                                                                   "lined"};
 template <>
-inline constexpr std::array<std::string_view, 2> kWords<BenchHeight>{"axis", "crown"};
+inline constexpr std::array<std::string_view, 3> kWords<WallCondition>{"dry", "wet", "slimy"};
+/// A given height has no word: it is a number.
+template <>
+inline constexpr std::array<std::string_view, 3> kWords<BenchHeight>{"flat", "axis", "crown"};
+template <>
+inline constexpr std::array<std::string_view, 3> kWords<Alignment>{"invert", "axis", "crown"};
+template <>
+inline constexpr std::array<std::string_view, 4> kWords<ObstacleKind>{"sediment", "stone",
+                                                                      "mortar_ridge", "brick"};
 template <>
 inline constexpr std::array<std::string_view, 9> kWords<FaultCategory>{"crack",
                                                                        "water_infiltration",

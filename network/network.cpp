@@ -29,7 +29,7 @@ double ShaftDiameterFor(const Network& network, const Manhole& manhole,
   if (manhole.shaft_diameter_m) return *manhole.shaft_diameter_m;
   double largest_m = 0.0;
   for (const std::size_t pipe : pipes) {
-    largest_m = std::max(largest_m, network.pipes[pipe].diameter_m);
+    largest_m = std::max(largest_m, network.pipes[pipe].DiameterIn(manhole.name));
   }
   return largest_m + kShaftAllowance_m;
 }
@@ -66,10 +66,30 @@ double Network::ShaftDiameter(const Manhole& manhole) const {
   return ShaftDiameterFor(*this, manhole, PipesAt(manhole.name));
 }
 
+double Pipe::DiameterAt(double chainage_m) const {
+  double here_m = diameter_m;
+  for (const DiameterChange& change : diameter_changes) {
+    if (chainage_m >= change.chainage_m) here_m = change.diameter_m;
+  }
+  return here_m;
+}
+
+double Pipe::DownstreamDiameter() const {
+  return diameter_changes.empty() ? diameter_m : diameter_changes.back().diameter_m;
+}
+
+double Pipe::DiameterIn(const std::string& manhole) const {
+  return manhole == upstream ? diameter_m : DownstreamDiameter();
+}
+
 bool IsEnterable(const Pipe& pipe) {
   // A micrometre of grace: 0.2 m read from inches or feet is still 200 mm.
-  return pipe.diameter_m >= kSmallestEnterable_m - 1e-6 &&
-         pipe.diameter_m <= kLargestEnterable_m + 1e-6;
+  const auto fits = [](double diameter_m) {
+    return diameter_m >= kSmallestEnterable_m - 1e-6 && diameter_m <= kLargestEnterable_m + 1e-6;
+  };
+  return fits(pipe.diameter_m) &&
+         std::all_of(pipe.diameter_changes.begin(), pipe.diameter_changes.end(),
+                     [&](const DiameterChange& change) { return fits(change.diameter_m); });
 }
 
 NetworkIndex::NetworkIndex(const Network& network) : pipes_at(network.manholes.size()) {

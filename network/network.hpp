@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,8 +12,15 @@ namespace kantaro::network {
 /// Wall material: decides the look and the friction of a pipe.
 enum class Material { kPvc, kClay, kConcrete, kLined };
 
-/// How high the benching of a manhole stands, measured from the invert of its channels.
-enum class BenchHeight { kAxis, kCrown };
+/// What covers the wall: decides friction and rolling resistance, and how it shines.
+enum class WallCondition { kDry, kWet, kSlimy };
+
+/// How high the benching of a manhole stands, measured from the invert of its channels: at the axis
+/// or the crown of the largest pipe, or as given. A flat floor has neither channels nor benching.
+enum class BenchHeight { kFlat, kAxis, kCrown, kGiven };
+
+/// Which line runs on where the diameter changes.
+enum class Alignment { kInvert, kAxis, kCrown };
 
 /// The nine categories of JSWA faults (thesis Table 3.1).
 enum class FaultCategory {
@@ -37,23 +45,66 @@ struct Manhole {
   std::optional<double> shaft_diameter_m;  ///< absent: largest connected pipe + 500 mm (thesis 5.2)
   double depth_m{2.0};                     ///< invert to cover [m], > 0
   BenchHeight bench_height{BenchHeight::kCrown};
+  double given_bench_m{};  ///< kGiven only: of the benching above the invert, > 0
   /// Centre-line radius of a curved channel [m]; absent: 0.66 of the shaft's radius.
   std::optional<double> channel_radius_m;
 };
 
-/// A joint between two pipe lengths, seen as a groove around the wall.
+/// A joint between two pipe lengths, seen as a groove around the wall. The length after it may lie
+/// beside the one before (offset) and point elsewhere (deflection); PipeAxis says how the line is
+/// laid then.
 struct Joint {
-  double chainage_m{};    ///< of the groove's middle
-  double gap_m{0.008};    ///< width of the groove along the axis, > 0
-  double depth_m{0.006};  ///< depth of the groove into the wall, > 0
+  double chainage_m{};             ///< of the groove's middle
+  double gap_m{0.008};             ///< width of the groove along the axis, > 0
+  double depth_m{0.006};           ///< depth of the groove into the wall, > 0
+  double offset_m{};               ///< of the next length's axis against this one's, >= 0
+  double offset_clock_h{6.0};      ///< which way it is offset, looking downstream
+  double deflection_rad{};         ///< angle between the two lengths' axes, >= 0
+  double deflection_clock_h{6.0};  ///< which way the next length points, looking downstream
 };
 
-/// A house connection: a round branch ending in the pipe's wall, square to its axis.
+/// A stretch of pipe that has sunk: its joints lie on a parabola below the grade, and the lengths
+/// between them are chords of it.
+struct Sag {
+  double start_m{};  ///< chainage
+  double end_m{};
+  double depth_m{};  ///< below the grade at the middle, > 0
+};
+
+/// From here on, downstream, the pipe has another diameter: a step with a plane face.
+struct DiameterChange {
+  double chainage_m{};
+  double diameter_m{};
+  Alignment alignment{Alignment::kInvert};
+};
+
+/// A house connection: a round branch ending in the pipe's wall.
 struct Inlet {
   std::string name;
-  double chainage_m{};  ///< of its axis
+  double chainage_m{};  ///< where its axis meets the pipe's
   double diameter_m{};  ///< less than the pipe's
   double clock_h{3.0};  ///< clock position of its mouth, 0 < h <= 12, looking downstream
+  /// Between the branch, going out, and the way upstream. Square: 90°; at 45° its water joins the
+  /// flow.
+  double angle_rad{std::numbers::pi / 2.0};
+  double protrusion_m{};  ///< how far its end stands into the pipe, 0 if flush
+};
+
+/// Something in the way, solid to wheels and rays.
+enum class ObstacleKind {
+  kSediment,     ///< bed along the invert, level across; its ends lie at the angle of repose
+  kStone,        ///< cap of a sphere on the wall, `width_m` across at its foot
+  kMortarRidge,  ///< ridge of even height across the wall; without `width_m` a full ring
+  kBrick         ///< box standing on the wall
+};
+struct Obstacle {
+  std::string name;
+  ObstacleKind kind{ObstacleKind::kStone};
+  double chainage_m{};  ///< of its middle
+  double clock_h{6.0};  ///< of its middle; sediment lies at 6
+  double height_m{};    ///< from the wall (sediment: the invert) towards the axis, > 0
+  double length_m{};    ///< along the pipe, > 0; a stone's is its width
+  double width_m{};     ///< across: a stone's foot, a brick's side, a ridge's arc; 0: full ring
 };
 
 /// Damage planted on a wall: it is seen, and it is what the fault detector is judged against.
@@ -79,14 +130,24 @@ struct Pipe {
   std::string name;
   std::string upstream;    ///< manhole name
   std::string downstream;  ///< manhole name
-  double diameter_m{};     ///< inner
+  double diameter_m{};     ///< inner, at the upstream end
   Material material{Material::kPvc};
+  WallCondition condition{WallCondition::kDry};
+  double water_m{};            ///< depth of the water that stands along the invert, 0 if none
   double upstream_offset_m{};  ///< invert of this end above the manhole's invert [m], >= 0
   double downstream_offset_m{};
-  std::vector<Bend> bends;    ///< in the order of chainage
-  std::vector<Joint> joints;  ///< likewise
+  std::vector<Bend> bends;                       ///< in the order of chainage
+  std::vector<Joint> joints;                     ///< likewise
+  std::vector<Sag> sags;                         ///< likewise
+  std::vector<DiameterChange> diameter_changes;  ///< likewise
   std::vector<Inlet> inlets;
+  std::vector<Obstacle> obstacles;
   std::vector<Fault> faults;
+
+  [[nodiscard]] double DiameterAt(double chainage_m) const;
+  [[nodiscard]] double DownstreamDiameter() const;
+  /// Inner diameter at its end in this manhole.
+  [[nodiscard]] double DiameterIn(const std::string& manhole) const;
 };
 
 /// What a reader left out or filled in, for the person who supplied the file.
@@ -125,6 +186,7 @@ struct Network {
 /// Diameters KANTARO is built for [m] (thesis 5.5: 250 to 350 mm; the platform: from 200 mm).
 inline constexpr double kSmallestEnterable_m = 0.200;
 inline constexpr double kLargestEnterable_m = 0.350;
+/// Whether it is so over the pipe's whole length.
 [[nodiscard]] bool IsEnterable(const Pipe& pipe);
 
 }  // namespace kantaro::network
