@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <thread>
@@ -48,10 +49,35 @@ std::optional<std::filesystem::path> Given(const Value& word) {
 /// Words of the command line, before they are checked.
 struct Words {
   std::vector<std::string> paths, blind;
-  std::string file, to, out, junit, baseline, pipe, chainage;
+  std::string file, to, out, junit, baseline, pipe, chainage, pipes, length, spacing;
   std::string seed{"1"}, seeds{"1"}, jobs;
   bool json{};
 };
+
+kantaro::network::GeneratorOptions ReadGeneratorOptions(const Words& words) {
+  kantaro::network::GeneratorOptions options;
+  const auto layout = kantaro::network::LayoutNamed(words.file);
+  if (!layout) {
+    throw InputError("LAYOUT", {}, "",
+                     fmt::format("\"{}\" is none of grid, tree, city", words.file));
+  }
+  options.layout = *layout;
+  options.seed = ParseSeed(words.seed);
+  if (!words.spacing.empty()) {
+    options.spacing_m =
+        Parse<double>("--spacing-m", words.spacing, kantaro::network::kShortestManholeSpacing_m,
+                      kantaro::network::kLongestManholeSpacing_m);
+  }
+  if (!words.length.empty()) {
+    const double most_km =
+        std::floor(kantaro::network::LongestGenerated(options.spacing_m) / 1000.0);
+    options.length_m = 1000.0 * Parse<double>("--length-km", words.length, 0.001, most_km);
+  } else {
+    options.pipes = Parse<std::size_t>("--pipes", words.pipes.empty() ? "100" : words.pipes, 1,
+                                       kantaro::network::kMostGeneratedPipes);
+  }
+  return options;
+}
 
 int Dispatch(const CLI::App& app, const Words& words) {
   if (app.got_subcommand("run")) {
@@ -78,6 +104,10 @@ int Dispatch(const CLI::App& app, const Words& words) {
   }
   if (app.got_subcommand("network")) {
     return scenarios::DescribeNetwork({words.file, Given(words.to), words.json}, std::cout);
+  }
+  if (app.got_subcommand("generate")) {
+    return scenarios::GenerateNetwork({ReadGeneratorOptions(words), words.to, words.json},
+                                      std::cout);
   }
   return scenarios::Render(
       {words.file, words.pipe, Parse<double>("--chainage", words.chainage, 0.0, 1e6),
@@ -118,6 +148,15 @@ void Declare(CLI::App& app, Words& words) {
   network->add_option("FILE", words.file, "a network: the project's .yaml, or EPA SWMM .inp")
       ->required();
   network->add_option("--to", words.to, "write it as the project's YAML here");
+
+  CLI::App* generate = command("generate", "Make a test network from a seed.");
+  generate->add_option("LAYOUT", words.file, "grid, tree or city")->required();
+  CLI::Option* pipes = generate->add_option("--pipes", words.pipes, "how many pipes (default 100)");
+  generate->add_option("--length-km", words.length, "or how long they are in all")->excludes(pipes);
+  generate->add_option("--spacing-m", words.spacing,
+                       "mean distance of manholes (default 35.8, as in Kitakyushu)");
+  generate->add_option("--seed", words.seed, "what it is drawn from (default 1)");
+  generate->add_option("--to", words.to, "the .yaml to write")->required();
 
   CLI::App* render =
       command("render", "Show what each camera sees at a place, with depth and ground truth.");

@@ -87,6 +87,18 @@ std::string BlindWords(const std::set<Sense>& blind) {
   return words;
 }
 
+void DemandYamlEnding(const std::filesystem::path& to) {
+  if (to.extension() == ".yaml" || to.extension() == ".yml") return;
+  throw InputError(
+      "--to", {}, "",
+      fmt::format("\"{}\" does not end in .yaml, the format that is written", to.string()));
+}
+
+std::string DescriptionOf(const network::Network& network, bool json) {
+  const std::string text = json ? network::DescribeJson(network) : network::Describe(network);
+  return text.ends_with('\n') ? text : text + '\n';
+}
+
 }  // namespace
 
 int Run(const RunRequest& request, std::ostream& out) {
@@ -138,18 +150,20 @@ int Suite(const SuiteRequest& request, std::ostream& out) {
 }
 
 int DescribeNetwork(const NetworkRequest& request, std::ostream& out) {
+  if (request.to) DemandYamlEnding(*request.to);
   const network::Network network = network::ReadNetwork(request.file);
-  const std::string text =
-      request.json ? network::DescribeJson(network) : network::Describe(network);
-  if (request.to) {
-    if (request.to->extension() != ".yaml" && request.to->extension() != ".yml") {
-      throw InputError("--to", {}, "",
-                       fmt::format("\"{}\" does not end in .yaml, the format that is written",
-                                   request.to->string()));
-    }
-    WriteFileAtomically(*request.to, network::ToYaml(network));
-  }
-  out << text << (text.ends_with('\n') ? "" : "\n");
+  const std::string text = DescriptionOf(network, request.json);
+  if (request.to) WriteFileAtomically(*request.to, network::ToYaml(network));
+  out << text;
+  return kExitPassed;
+}
+
+int GenerateNetwork(const GenerateRequest& request, std::ostream& out) {
+  DemandYamlEnding(request.to);
+  const network::Network network = network::Generate(request.options);
+  const std::string text = DescriptionOf(network, request.json);
+  WriteFileAtomically(request.to, network::ToYaml(network));
+  out << text;
   return kExitPassed;
 }
 

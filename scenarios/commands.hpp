@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "network/generator.hpp"
 #include "scenarios/scenario.hpp"
 
 namespace kantaro::scenarios {
@@ -51,6 +52,14 @@ struct NetworkRequest {
   bool json{};
 };
 int DescribeNetwork(const NetworkRequest& request, std::ostream& out);
+
+struct GenerateRequest {
+  network::GeneratorOptions options;
+  std::filesystem::path to;  ///< a .yaml
+  bool json{};
+};
+/// Makes a test network, writes it and describes it.
+int GenerateNetwork(const GenerateRequest& request, std::ostream& out);
 
 struct RenderRequest {
   std::filesystem::path scenario;
