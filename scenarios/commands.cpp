@@ -150,8 +150,8 @@ int Suite(const SuiteRequest& request, std::ostream& out) {
 }
 
 int DescribeNetwork(const NetworkRequest& request, std::ostream& out) {
-  if (request.to) DemandYamlEnding(*request.to);
   const network::Network network = network::ReadNetwork(request.file);
+  if (request.to) DemandYamlEnding(*request.to);
   const std::string text = DescriptionOf(network, request.json);
   if (request.to) WriteFileAtomically(*request.to, network::ToYaml(network));
   out << text;

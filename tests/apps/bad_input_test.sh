@@ -63,7 +63,7 @@ scenario good.yaml
 "$kantaro" network network.yaml >/dev/null || { echo "the good network is refused"; failures=1; }
 
 # Usage.
-refused "no command" "COMMAND: none is given; known are run, suite, network, render"
+refused "no command" "COMMAND: none is given; known are run, suite, network, generate, render"
 refused "unknown command" 'COMMAND: "fly" is not one; known are .*' fly
 refused "no scenario" ".*SCENARIO is required.*" run
 refused "unknown option" ".*--colour.*" run good.yaml --colour red
@@ -78,6 +78,10 @@ refused "pipe that is not there" '--pipe: the network has no pipe "Q"' render go
 
 # Files that are not there, or are something else.
 refused "missing scenario" "nowhere.yaml: no such file" run nowhere.yaml --out out
+refused "unknown layout" "LAYOUT: \"blob\" is none of grid, tree, city" generate blob --to out/made.yaml
+refused "no pipes to make" "--pipes: \"0\" is not a number from 1 to 1000000" generate tree --pipes 0 --to out/made.yaml
+refused "two sizes of a network" "--length-km excludes --pipes" generate tree --pipes 5 --length-km 1 --to out/made.yaml
+refused "network in an unknown form" "--to: .* does not end in .yaml, .*" generate tree --to out/made.txt
 refused "missing network" "nowhere.inp: no such file" network nowhere.inp
 scenario bad.yaml 's/network.yaml/nowhere.yaml/'
 refused "scenario with a missing network" "bad.yaml:2: network: no such file: nowhere.yaml" run bad.yaml --out out
