@@ -80,7 +80,7 @@ refused "pipe that is not there" '--pipe: the network has no pipe "Q"' render go
 refused "missing scenario" "nowhere.yaml: no such file" run nowhere.yaml --out out
 refused "unknown layout" "LAYOUT: \"blob\" is none of grid, tree, city" generate blob --to out/made.yaml
 refused "no pipes to make" "--pipes: \"0\" is not a number from 1 to 1000000" generate tree --pipes 0 --to out/made.yaml
-refused "two sizes of a network" "--length-km excludes --pipes" generate tree --pipes 5 --length-km 1 --to out/made.yaml
+refused "two sizes of a network" "--pipes excludes --length-km" generate tree --pipes 5 --length-km 1 --to out/made.yaml
 refused "network in an unknown form" "--to: .* does not end in .yaml, .*" generate tree --to out/made.txt
 refused "missing network" "nowhere.inp: no such file" network nowhere.inp
 scenario bad.yaml 's/network.yaml/nowhere.yaml/'
