@@ -12,6 +12,7 @@
 
 #include "base/input_error.hpp"
 #include "scenarios/commands.hpp"
+#include "scenarios/experiments/experiment.hpp"
 
 namespace {
 
@@ -35,6 +36,12 @@ std::uint64_t ParseSeed(const std::string& word) {
   return Parse<std::uint64_t>("--seed", word, 0, std::numeric_limits<std::uint64_t>::max());
 }
 
+/// As many as cores, if none are given.
+unsigned ParseJobs(const std::string& word) {
+  return word.empty() ? std::max(1u, std::thread::hardware_concurrency())
+                      : Parse<unsigned>("--jobs", word, 1, 1024);
+}
+
 std::set<scenarios::Sense> ParseBlind(const std::vector<std::string>& words) {
   std::set<scenarios::Sense> senses;
   for (const std::string& word : words) senses.insert(scenarios::ParseSense(word, "--blind"));
@@ -48,9 +55,9 @@ std::optional<std::filesystem::path> Given(const Value& word) {
 
 /// Words of the command line, before they are checked.
 struct Words {
-  std::vector<std::string> paths, blind;
-  std::string file, to, out, junit, baseline, pipe, chainage, pipes, length, spacing;
-  std::string seed{"1"}, seeds{"1"}, jobs;
+  std::vector<std::string> paths, blind, only;
+  std::string file, to, out, junit, baseline, pipe, chainage, pipes, length, spacing, count, page;
+  std::string seed{"1"}, seeds{"1"}, jobs, robot{"models/kantaro"};
   bool json{};
 };
 
@@ -89,11 +96,10 @@ int Dispatch(const CLI::App& app, const Words& words) {
     return scenarios::Run(request, std::cout);
   }
   if (app.got_subcommand("suite")) {
-    const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
     scenarios::SuiteRequest request;
     request.paths = {words.paths.begin(), words.paths.end()};
     request.seeds = Parse<std::uint64_t>("--seeds", words.seeds, 1, 1000000);
-    request.jobs = words.jobs.empty() ? cores : Parse<unsigned>("--jobs", words.jobs, 1, 1024);
+    request.jobs = ParseJobs(words.jobs);
     request.junit = Given(words.junit);
     request.baseline = Given(words.baseline);
     request.out = Given(words.out);
@@ -108,6 +114,20 @@ int Dispatch(const CLI::App& app, const Words& words) {
   if (app.got_subcommand("generate")) {
     return scenarios::GenerateNetwork({ReadGeneratorOptions(words), words.to, words.json},
                                       std::cout);
+  }
+  if (app.got_subcommand("experiment")) {
+    scenarios::ExperimentRequest request;
+    request.name = words.file;
+    request.seed = ParseSeed(words.seed);
+    if (!words.count.empty())
+      request.count = Parse<std::size_t>("--count", words.count, 1, 1000000);
+    request.only = words.only;
+    request.jobs = ParseJobs(words.jobs);
+    request.robot_folder = words.robot;
+    request.out = words.out.empty() ? "runs/experiments" : words.out;
+    request.page = Given(words.page);
+    request.json = words.json;
+    return scenarios::RunExperiments(request, std::cout);
   }
   return scenarios::Render(
       {words.file, words.pipe, Parse<double>("--chainage", words.chainage, 0.0, 1e6),
@@ -167,6 +187,23 @@ void Declare(CLI::App& app, Words& words) {
   render->add_option("--seed", words.seed, "what the conditions are drawn from (default 1)");
   render->add_option("--out", words.out,
                      "folder for the pictures (default runs/NAME/view-PIPE-CHAINAGE)");
+
+  CLI::App* experiment =
+      command("experiment", "Repeat the thesis' experiments on the twin, beside its figures.");
+  std::string known = "all, or one of:";
+  for (const scenarios::Experiment& one : scenarios::Experiments())
+    known += fmt::format("\n{}: {}", one.name, one.summary);
+  experiment->add_option("NAME", words.file, known)->required();
+  experiment->add_option("--seed", words.seed, "what the variation is drawn from (default 1)");
+  experiment->add_option("--count", words.count,
+                         "runs of each row (default: the experiment's own)");
+  experiment->add_option("--only", words.only, "cases to run, separated by commas (default: all)")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  experiment->add_option("--jobs", words.jobs, "threads (default: one for each core)");
+  experiment->add_option("--robot", words.robot, "the robot's folder (default models/kantaro)");
+  experiment->add_option("--out", words.out, "folder for NAME.json (default runs/experiments)");
+  experiment->add_option("--page", words.page, "write the page of results here");
 }
 
 /// CLI11 alone would say of an unknown command that one is required.

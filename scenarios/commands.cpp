@@ -10,6 +10,7 @@
 #include "base/files.hpp"
 #include "base/input_error.hpp"
 #include "network/formats.hpp"
+#include "scenarios/experiments/experiment.hpp"
 #include "scenarios/result.hpp"
 #include "scenarios/runner.hpp"
 #include "scenarios/suite.hpp"
@@ -181,6 +182,32 @@ int Render(const RenderRequest& request, std::ostream& out) {
     for (const auto& [name, bytes] : files) out << (folder / name).string() << '\n';
   }
   return kExitPassed;
+}
+
+int RunExperiments(const ExperimentRequest& request, std::ostream& out) {
+  const std::span<const Experiment> experiments = ExperimentsNamed(request.name);
+  std::vector<Json> results;
+  bool passed = true;
+  for (const Experiment& experiment : experiments) {
+    ExperimentOptions options{request.robot_folder, request.seed, request.count,
+                              request.only,         request.jobs, {}};
+    {
+      const ProgressLine line;
+      options.progress = [&](std::size_t done, std::size_t all) {
+        line.Show(fmt::format("{}: {} of {} runs", experiment.name, done, all));
+      };
+      results.push_back(experiment.run(options));
+    }
+    const std::filesystem::path file = request.out / (experiment.name + ".json");
+    WriteFileAtomically(file, results.back().dump(2) + "\n");
+    passed = passed && results.back().at("passed").get<bool>();
+    if (!request.json)
+      out << experiment.table(results.back()) << "results: " << file.string() << '\n' << std::flush;
+  }
+  if (request.page) WriteFileAtomically(*request.page, ResultsPage(experiments, results));
+  if (request.json)
+    out << (request.name == "all" ? Json(results) : results.front()).dump(2) << '\n';
+  return passed ? kExitPassed : kExitFailed;
 }
 
 }  // namespace kantaro::scenarios

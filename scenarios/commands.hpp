@@ -71,4 +71,18 @@ struct RenderRequest {
 };
 int Render(const RenderRequest& request, std::ostream& out);
 
+struct ExperimentRequest {
+  std::string name;  ///< of one experiment, or `all`
+  std::uint64_t seed{1};
+  std::size_t count{};            ///< runs of each row; 0: each experiment's own
+  std::vector<std::string> only;  ///< cases; empty: all
+  unsigned jobs{1};
+  std::filesystem::path robot_folder;
+  std::filesystem::path out;                  ///< folder for NAME.json
+  std::optional<std::filesystem::path> page;  ///< where to write the page of results
+  bool json{};
+};
+/// With `all`, the JSON document is a list of results. Exit code 1 if a required row fails.
+int RunExperiments(const ExperimentRequest& request, std::ostream& out);
+
 }  // namespace kantaro::scenarios

@@ -139,6 +139,10 @@ refused "image size of 0" "robot/cameras.yaml:[0-9]+: .*width_px.*" run bad.yaml
 
 # A folder that is not ours stays as it is.
 mkdir precious && echo thesis >precious/chapter1.txt
+refused "unknown experiment" 'NAME: "flight" is no experiment; known are all, .*' experiment flight --out out
+refused "experiment without runs" '--count: "0" is not a number .*' experiment locomotion --count 0 --out out
+refused "experiment with an unknown case" '--only: "loop" is no case; known are straight, .*' experiment locomotion --only loop --robot "$source/models/kantaro" --out out
+refused "experiment without a robot" "nowhere/cameras.yaml: no such file" experiment locomotion --robot nowhere --out out
 refused "another's folder as output" "precious: holds files of another kind.*" run good.yaml --out precious
 [ "$(cat precious/chapter1.txt)" = thesis ] || { echo "another's file was touched"; failures=$((failures + 1)); }
 

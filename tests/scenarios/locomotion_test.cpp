@@ -1,0 +1,95 @@
+#include "scenarios/experiments/locomotion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "base/input_error.hpp"
+
+namespace kantaro::scenarios {
+namespace {
+
+const std::filesystem::path kRobot = KANTARO_SOURCE_DIR "/models/kantaro";
+
+const LocomotionCase& CaseNamed(const std::string& name) {
+  for (const LocomotionCase& drive : LocomotionCases()) {
+    if (drive.name == name) return drive;
+  }
+  throw std::out_of_range(name);
+}
+
+LocomotionOutcome DriveOnce(const std::string& name, double diameter_m, double friction,
+                            const Profile& profile) {
+  const robot::Description description = robot::ReadDescription(kRobot);
+  return DriveCourse(description, CaseNamed(name).course(diameter_m), profile, friction, {});
+}
+
+TEST(LocomotionStart, StaysWithinItsBoundsAndFillsThem) {
+  constexpr double kYaw_rad = 3.0 * std::numbers::pi / 180.0;
+  double widest_yaw = 0.0;
+  for (std::size_t run = 0; run < 200; ++run) {
+    const LocomotionStart start = DrawStart(1, "straight 300 dry", run);
+    EXPECT_LE(std::abs(start.chainage_m), 0.005);
+    EXPECT_LE(std::abs(start.lateral_m), 0.005);
+    EXPECT_LE(std::abs(start.yaw_rad), kYaw_rad);
+    EXPECT_LE(std::abs(start.friction_factor - 1.0), 0.1);
+    EXPECT_LE(std::abs(start.mismatch), 0.015);
+    widest_yaw = std::max(widest_yaw, std::abs(start.yaw_rad));
+  }
+  EXPECT_GT(widest_yaw, 0.95 * kYaw_rad);
+}
+
+TEST(LocomotionStart, IsAnotherForEachRunRowAndSeed) {
+  const double yaw = DrawStart(1, "a", 0).yaw_rad;
+  EXPECT_EQ(DrawStart(1, "a", 0).yaw_rad, yaw);
+  EXPECT_NE(DrawStart(1, "a", 1).yaw_rad, yaw);
+  EXPECT_NE(DrawStart(1, "b", 0).yaw_rad, yaw);
+  EXPECT_NE(DrawStart(2, "a", 0).yaw_rad, yaw);
+}
+
+// 0.5 s at 0.1 m/s is 5 cm from the start at 0.5 m.
+TEST(DriveCourse, SaysWhereTheRobotWasWhenItsProfileEnded) {
+  const LocomotionOutcome outcome = DriveOnce("straight", 0.300, 0.7, {{0.5, 0.1, 0.1}});
+  EXPECT_FALSE(outcome.passed);
+  EXPECT_EQ(outcome.reason, "stuck at 0.55 m of \"pipe\"");
+}
+
+TEST(DriveCourse, CallsAnotherBranchAstray) {
+  // Straight on where the way turns left.
+  const LocomotionOutcome outcome = DriveOnce("tee_left", 0.300, 0.7, {{30.0, 0.1, 0.1}});
+  EXPECT_FALSE(outcome.passed);
+  EXPECT_EQ(outcome.reason, "went astray into \"ahead\"");
+}
+
+TEST(DriveCourse, ReachesTheGoalOfAStraightPipe) {
+  const LocomotionCase& drive = CaseNamed("straight");
+  const LocomotionOutcome outcome = DriveOnce("straight", 0.250, 0.3, drive.profile);
+  EXPECT_TRUE(outcome.passed) << outcome.reason;
+  EXPECT_EQ(outcome.reason, "");
+}
+
+TEST(LocomotionExperiment, GivesTheSameRowsOnOneThreadAndOnTwo) {
+  ExperimentOptions options{kRobot, 1, 1, {"straight"}, 1, [](std::size_t, std::size_t) {}};
+  const nlohmann::ordered_json alone = LocomotionExperiment().run(options);
+  options.jobs = 2;
+  EXPECT_EQ(LocomotionExperiment().run(options), alone);
+  ASSERT_EQ(alone.at("rows").size(), 8u);  // four diameters, dry and wet
+  const nlohmann::ordered_json& row = alone.at("rows").at(1);
+  EXPECT_EQ(row.at("case"), "straight");
+  EXPECT_EQ(row.at("diameter_mm"), 200);
+  EXPECT_EQ(row.at("condition"), "wet");
+  EXPECT_EQ(row.at("passed"), 1);
+  EXPECT_EQ(row.at("runs"), 1);
+  EXPECT_EQ(row.at("reason"), "");
+  EXPECT_EQ(alone.at("passed"), true);
+}
+
+TEST(LocomotionExperiment, RefusesACaseItDoesNotKnow) {
+  const ExperimentOptions options{kRobot, 1, 1, {"loop"}, 1, [](std::size_t, std::size_t) {}};
+  EXPECT_THROW((void)LocomotionExperiment().run(options), InputError);
+}
+
+}  // namespace
+}  // namespace kantaro::scenarios
