@@ -114,12 +114,13 @@ TEST(WallForces, AreTheWeightOverTheCosineOfTheWallsLean) {
 }
 
 // Braked wheels hold on a slope s until weight * sin s exceeds mu * N, N = weight * cos s / cos
-// alpha: tan s = mu / cos alpha. Within 5 %: 5 % below it holds (a braked motor creeps: 0.45 Nm on
-// the steepest of these slopes against a gain of 1.5 Nm s is 14 mm/s), 5 % above it slides away,
-// at g cos s * 5 % * mu / cos alpha = 0.14 m/s2 or more if the limit is met exactly.
+// alpha: tan s = mu / cos alpha. Within 5 %: 5 % below it holds (a braked motor creeps: 0.31 Nm on
+// the steepest of these slopes against a gain of 1.5 Nm s is 9 mm/s), 5 % above it slides away,
+// at g cos s * 5 % * mu / cos alpha = 0.10 m/s2 or more if the limit is met exactly. With more
+// friction the front wheels would lift before the robot slides.
 TEST(SteepestSlope, IsFrictionOverTheCosineOfTheWallsLean) {
   for (const double diameter_m : {0.200, 0.250, 0.300}) {
-    for (const double mu : {0.3, 0.5}) {
+    for (const double mu : {0.2, 0.3}) {
       const double grade = mu / std::cos(WallLean(diameter_m));
       for (const double share : {0.95, 1.05}) {
         Rig rig(PipeOf(diameter_m, share * grade), Friction(mu));
