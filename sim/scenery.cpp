@@ -81,6 +81,8 @@ Paint PaintOf(const Sewer& sewer, std::size_t index, const SceneryOptions& optio
       paint.offset = {static_cast<float>(random.Uniform(0.0, 1.0)),
                       static_cast<float>(random.Uniform(0.0, 1.0))};
       break;
+    case Feature::kObstacle:
+      break;
   }
   VaryTone(paint, random, options.texture_contrast);
   return paint;

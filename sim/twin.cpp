@@ -42,7 +42,7 @@ World BuildWorld(const network::Network& network, std::uint64_t texture_seed, bo
   World world;
   const auto sewer = std::make_shared<const Sewer>(BuildSewer(network));
   const SurfaceMesh mesh = Tessellate(sewer->voids);
-  world.field = std::make_shared<const VoidField>(sewer->voids);
+  world.field = std::make_shared<const VoidField>(sewer->voids, sewer->solids);
   world.rays = std::make_shared<const RayCaster>(mesh);
   if (cameras) {
     SceneryOptions options;

@@ -16,7 +16,7 @@ const std::filesystem::path kRoot = KANTARO_SOURCE_DIR;
 struct Bench {
   robot::Description description = robot::ReadDescription(kRoot / "models/kantaro");
   Sewer sewer = BuildSewer(network::ReadNetwork(kRoot / "models/networks/test_field.yaml"));
-  VoidField field{sewer.voids};
+  VoidField field{sewer.voids, sewer.solids};
 
   PhysicsOptions Options() const {
     PhysicsOptions options;

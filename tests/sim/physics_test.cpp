@@ -17,7 +17,7 @@ class PhysicsTest : public testing::Test {
   robot::Description description_ = robot::ReadDescription(KANTARO_SOURCE_DIR "/models/kantaro");
   Sewer sewer_ =
       BuildSewer(network::ReadNetwork(KANTARO_SOURCE_DIR "/models/networks/test_field.yaml"));
-  VoidField field_{sewer_.voids};
+  VoidField field_{sewer_.voids, sewer_.solids};
 
   Physics Make(double friction = 0.7) const {
     PhysicsOptions options;
@@ -110,7 +110,7 @@ TEST_F(PhysicsTest, RefusesAPipeItDoesNotFit) {
     pipe.inlets.clear();
   }
   const Sewer sewer = BuildSewer(narrow);
-  const VoidField field(sewer.voids);
+  const VoidField field(sewer.voids, sewer.solids);
   PhysicsOptions options;
   Physics physics(field, description_, options);
   EXPECT_THROW(physics.Place(sewer, {"P1", 2.5, true, 0.0, 0.0}), std::invalid_argument);

@@ -32,7 +32,7 @@ double March(const VoidField& field, Vector3d p, const Vector3d& direction, doub
 
 TEST(Sewer, EveryPipeIsOpenFromShaftToShaft) {
   const Sewer sewer = TestField();
-  const VoidField field(sewer.voids);
+  const VoidField field(sewer.voids, sewer.solids);
   for (std::size_t i = 0; i < sewer.axes.size(); ++i) {
     const double radius = sewer.network.pipes[i].diameter_m / 2.0;
     for (double s = -0.05; s <= sewer.axes[i].length_m() + 0.05; s += 0.01) {
@@ -47,7 +47,7 @@ TEST(Sewer, EveryPipeIsOpenFromShaftToShaft) {
 // axis, the sides are as near as in the pipe and only the top is open (thesis Table 5.3, status 1).
 TEST(Sewer, APlainManholeOpensOnlyTheTop) {
   const Sewer sewer = TestField();
-  const VoidField field(sewer.voids);
+  const VoidField field(sewer.voids, sewer.solids);
   const network::Manhole& manhole = sewer.network.ManholeNamed("M1");
   const Vector3d p = manhole.p_WM + Vector3d(0.0, 0.0, 0.15);
   EXPECT_NEAR(March(field, p, Vector3d::UnitY(), 2.0), 0.15, 1e-3);
@@ -57,7 +57,7 @@ TEST(Sewer, APlainManholeOpensOnlyTheTop) {
 
 TEST(Sewer, ATeeOpensTheSideOfItsBranchToo) {
   const Sewer sewer = TestField();
-  const VoidField field(sewer.voids);
+  const VoidField field(sewer.voids, sewer.solids);
   const network::Manhole& manhole = sewer.network.ManholeNamed("M2");
   const Vector3d p = manhole.p_WM + Vector3d(0.0, 0.0, 0.15);
   EXPECT_GT(March(field, p, Vector3d::UnitY(), 2.0), 1.9);  // down the branch to the left
@@ -83,7 +83,7 @@ TEST(Sewer, ShaftsAreHalfAMetreWiderThanTheirLargestPipe) {
 
 TEST(Sewer, JointsAreGroovesOfTheirDepth) {
   const Sewer sewer = TestField();
-  const VoidField field(sewer.voids);
+  const VoidField field(sewer.voids, sewer.solids);
   const std::size_t pipe = sewer.network.FindPipe("P1").value();
   for (const network::Joint& joint : sewer.network.pipes[pipe].joints) {
     const Eigen::Isometry3d X_WP = sewer.axes[pipe].PoseAt(joint.chainage_m);
