@@ -64,7 +64,7 @@ class Drive {
         profile_(profile),
         start_(start),
         sewer_(sim::BuildSewer(course.network)),
-        field_(sewer_.voids),
+        field_(sewer_.voids, sewer_.solids),
         tyre_m_(description.tyres.at(description.wheels.front()).radius_m),
         physics_(field_, description, Options(description, tyre_friction)) {
     sim::StartPose pose = course.start;

@@ -43,7 +43,7 @@ class Rig {
       const robot::Description& description = Kantaro())
       : description_(description),
         sewer_(BuildSewer(network)),
-        field_(sewer_.voids),
+        field_(sewer_.voids, sewer_.solids),
         physics_(field_, description_, options) {}
 
   static const robot::Description& Kantaro() {
