@@ -21,7 +21,6 @@ constexpr double kLargestShaft_m = 50.0;
 constexpr double kDeepest_m = 500.0;
 constexpr double kLongestPipe_m = 20'000.0;
 constexpr double kLargestGap_m = 0.2;
-constexpr std::size_t kLongestName = 200;
 
 void Want(bool good, const char* field, const std::string& problem) {
   if (!good) throw Flaw(field, problem);

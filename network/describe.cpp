@@ -31,10 +31,11 @@ struct Extent {
 struct Group {
   std::string text;
   std::vector<std::string> subjects;
+  double length_m{};
 };
 
 struct Summary {
-  Extent all, enterable;
+  Extent all, enterable, not_enterable;
   std::map<long, Extent> by_diameter_mm;
   std::map<ManholeKind, std::size_t> manholes;
   std::map<FaultCategory, std::size_t> faults;
@@ -43,10 +44,11 @@ struct Summary {
 };
 
 void AddTo(std::vector<Group>& groups, std::map<std::string, std::size_t>& position,
-           const std::string& text, const std::string& subject) {
+           const std::string& text, const std::string& subject, double length_m = 0.0) {
   const auto [place, is_new] = position.emplace(text, groups.size());
-  if (is_new) groups.push_back({text, {}});
+  if (is_new) groups.push_back({text, {}, 0.0});
   groups[place->second].subjects.push_back(subject);
+  groups[place->second].length_m += length_m;
 }
 
 Summary Summarise(const Network& network) {
@@ -69,7 +71,9 @@ Summary Summarise(const Network& network) {
   std::map<std::string, std::size_t> reasons, texts;
   for (const SkippedLink& link : network.skipped) {
     // What follows the colon differs from link to link: "not circular: RECT_CLOSED".
-    AddTo(summary.skipped, reasons, link.reason.substr(0, link.reason.find(':')), link.name);
+    AddTo(summary.skipped, reasons, link.reason.substr(0, link.reason.find(':')), link.name,
+          link.length_m);
+    summary.not_enterable.Add(link.length_m);
   }
   for (const Remark& remark : network.remarks) {
     AddTo(summary.remarks, texts, remark.text, remark.subject);
@@ -134,10 +138,12 @@ std::string Describe(const Network& network) {
   }
   text += "\n" + CountsText(summary) + "\n";
   if (!network.skipped.empty()) {
-    text += fmt::format("\nleft out        {:>10}\n", network.skipped.size());
+    text += fmt::format("\nin the map, not built {:>5} {} {:>12}\n", network.skipped.size(),
+                        network.skipped.size() == 1 ? "link " : "links",
+                        LengthText(summary.not_enterable.length_m));
     for (const Group& group : summary.skipped) {
-      text += fmt::format("  {:>6}  {}: {}\n", group.subjects.size(), group.text,
-                          SubjectsText(group.subjects));
+      text += fmt::format("  {:>6} {:>12}  {}: {}\n", group.subjects.size(),
+                          LengthText(group.length_m), group.text, SubjectsText(group.subjects));
     }
   }
   if (!network.remarks.empty()) {
@@ -171,10 +177,13 @@ std::string DescribeJson(const Network& network) {
   }
   json["skipped"] = nlohmann::ordered_json::array();
   for (const SkippedLink& link : network.skipped) {
-    json["skipped"].push_back({{"name", link.name},
-                               {"from", link.upstream},
-                               {"to", link.downstream},
-                               {"reason", link.reason}});
+    nlohmann::ordered_json row = {{"name", link.name},
+                                  {"from", link.upstream},
+                                  {"to", link.downstream},
+                                  {"reason", link.reason},
+                                  {"length_m", link.length_m}};
+    if (link.height_m > 0.0) row["height_mm"] = link.height_m * 1000.0;
+    json["skipped"].push_back(row);
   }
   json["remarks"] = nlohmann::ordered_json::array();
   for (const Remark& remark : network.remarks) {

@@ -157,10 +157,14 @@ struct Remark {
   std::string text;         ///< what was done and why
 };
 
-/// A pipe of the file that KANTARO cannot use (egg-shaped, a pump, a weir ...): kept for the map.
+/// Something between two manholes that KANTARO cannot enter and that is not built (egg-shaped, a
+/// pump, a weir ...): kept for the map. Its ends may be no manholes of the network.
 struct SkippedLink {
   std::string name, upstream, downstream;
   std::string reason;
+  double length_m{};                     ///< from node to node, 0 if not known
+  double height_m{};                     ///< inside, 0 if not known
+  std::vector<Eigen::Vector2d> via_W{};  ///< corners of its course between its ends [m]
 };
 
 /// The sewer as a domain model. Names are unique among manholes and among pipes.

@@ -505,7 +505,7 @@ double RouteRuler::length_m() const {
 }
 
 std::string PlanSvg(const Scenario& scenario, const MissionTrace& trace, double width_px) {
-  const network::Network shown = Surroundings(scenario);
+  const network::Network& shown = scenario.network;
   const PlanView view(shown, width_px);
   std::string bodies, details, faults, manholes;
   for (const network::Pipe& pipe : shown.pipes) {

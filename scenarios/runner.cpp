@@ -47,7 +47,7 @@ class Loop {
         description_(robot::ReadDescription(scenario.robot_folder)),
         perception_parameters_(
             perception::ReadParameters(scenario.robot_folder / "perception.yaml")),
-        world_(sim::BuildWorld(Surroundings(scenario), conditions.texture,
+        world_(sim::BuildWorld(scenario.network, conditions.texture,
                                scenario.blind.count(Sense::kCameras) == 0)),
         twin_(world_, description_, TwinConditions(scenario, conditions)),
         hardware_(twin_, scenario.blind),
@@ -108,7 +108,8 @@ class Loop {
 
 }  // namespace
 
-MissionRun RunMission(const Scenario& scenario, std::uint64_t seed, const RunOptions& options) {
+MissionRun RunMission(const Scenario& whole, std::uint64_t seed, const RunOptions& options) {
+  const Scenario scenario = AroundItsRoute(whole);
   const auto began = std::chrono::steady_clock::now();
   MissionRun run;
   run.conditions = DrawConditions(scenario, seed);
@@ -122,8 +123,8 @@ MissionRun RunMission(const Scenario& scenario, std::uint64_t seed, const RunOpt
   return run;
 }
 
-void WriteRun(const std::filesystem::path& folder, const Scenario& scenario,
-              const MissionRun& run) {
+void WriteRun(const std::filesystem::path& folder, const Scenario& whole, const MissionRun& run) {
+  const Scenario scenario = AroundItsRoute(whole);
   const perception::Parameters parameters =
       perception::ReadParameters(scenario.robot_folder / "perception.yaml");
   FolderFiles files{{"result.json", ToJson(run.result).dump(2) + "\n"},

@@ -204,16 +204,18 @@ std::vector<network::RouteLeg> PlannedRoute(const Scenario& scenario) {
   return RouteOver(scenario.network, RouteManholes(scenario));
 }
 
-network::Network Surroundings(const Scenario& scenario) {
+Scenario AroundItsRoute(const Scenario& scenario) {
   constexpr std::size_t kSmall = 40;  // pipes
   constexpr double kReach_m = 10.0;   // twice as far as the cameras see
-  if (scenario.network.pipes.size() <= kSmall) return scenario.network;
+  if (scenario.network.pipes.size() <= kSmall) return scenario;
   std::vector<std::string> manholes = RouteManholes(scenario);
   for (const network::RouteLeg& leg : PlannedRoute(scenario)) {
     const network::Pipe& pipe = scenario.network.PipeNamed(leg.pipe);
     manholes.push_back(leg.downstream ? pipe.downstream : pipe.upstream);
   }
-  return network::Neighbourhood(scenario.network, manholes, kReach_m);
+  Scenario cut = scenario;
+  cut.network = network::Neighbourhood(scenario.network, manholes, kReach_m);
+  return cut;
 }
 
 Scenario ParseScenario(const std::string& text, const std::filesystem::path& name,

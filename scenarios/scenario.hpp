@@ -90,8 +90,9 @@ using NetworkReader = std::function<network::Network(const std::filesystem::path
 /// The shortest way over these manholes. The first leg is the start pipe.
 [[nodiscard]] std::vector<network::RouteLeg> PlannedRoute(const Scenario& scenario);
 
-/// The part of the network that matters to the mission: all of a small one, else the surroundings
-/// of the route.
-[[nodiscard]] network::Network Surroundings(const Scenario& scenario);
+/// The same mission in the part of the network that matters to it: all of a small one, else the
+/// surroundings of the route. Whatever runs, judges or draws a mission starts with this, so that a
+/// city costs no more than a test field.
+[[nodiscard]] Scenario AroundItsRoute(const Scenario& scenario);
 
 }  // namespace kantaro::scenarios

@@ -20,9 +20,9 @@ Network TwoPipes() {
   network.manholes[1].shaft_diameter_m = 0.8;
   network.pipes[0].inlets = {{"I", 3, 0.1, 3}};
   network.pipes[0].faults = {{"F", FaultCategory::kCrack, FaultRank::kA, 5, 12, 0.1, 0.005}};
-  network.skipped = {{"W1", "A", "B", "a weir"},
-                     {"X1", "A", "B", "too short: 0.2 m"},
-                     {"X2", "A", "B", "too short: 0.3 m"}};
+  network.skipped = {{"W1", "A", "B", "a weir", 10.0},
+                     {"X1", "A", "B", "too short: 0.2 m", 0.2},
+                     {"X2", "A", "B", "too short: 0.3 m", 0.3, 0.75}};
   network.remarks = {{7, "node A", "no depth"}, {8, "node B", "no depth"}};
   return network;
 }
@@ -36,10 +36,11 @@ TEST(Describe, SaysWhatIsThereAndWhatKantaroCanEnter) {
   EXPECT_THAT(text, HasSubstr("joints 0, inlets 1, planted faults 1 (1 crack)"));
 }
 
-TEST(Describe, GroupsWhatWasLeftOutByReason) {
+TEST(Describe, GroupsWhatIsNotBuiltByReason) {
   const std::string text = Describe(TwoPipes());
-  EXPECT_THAT(text, HasSubstr("1  a weir: W1"));
-  EXPECT_THAT(text, HasSubstr("2  too short: X1, X2"));
+  EXPECT_THAT(text, HasSubstr("1       10.0 m  a weir: W1"));
+  EXPECT_THAT(text, HasSubstr("2        0.5 m  too short: X1, X2"));
+  EXPECT_THAT(text, HasSubstr("in the map, not built     3 links       10.5 m"));
   EXPECT_THAT(text, HasSubstr("node A, node B: no depth"));
 }
 
@@ -54,6 +55,8 @@ TEST(DescribeJson, HoldsTheSameFigures) {
   EXPECT_EQ(json["faults"]["crack"], 1);
   EXPECT_EQ(json["skipped"].size(), 3u);
   EXPECT_EQ(json["skipped"][1]["reason"], "too short: 0.2 m");
+  EXPECT_EQ(json["skipped"][1]["length_m"], 0.2);
+  EXPECT_EQ(json["skipped"][2]["height_mm"], 750.0);
   EXPECT_EQ(json["remarks"][0]["line"], 7);
 }
 

@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <numbers>
 
 #include "base/files.hpp"
 #include "base/input_error.hpp"
@@ -64,6 +66,8 @@ void ExpectRefused(const std::string& text, int line, const std::string& field) 
     EXPECT_EQ(error.field(), field) << error.what();
   }
 }
+
+double ToMillimetre(double value_m) { return std::round(value_m * 1000.0) / 1000.0; }
 
 bool HasRemark(const Network& network, const std::string& subject, const std::string& text) {
   return std::any_of(network.remarks.begin(), network.remarks.end(), [&](const Remark& remark) {
@@ -159,6 +163,58 @@ TEST(Swmm, WhatIsNoPipeIsSkippedWithAReason) {
   EXPECT_THAT(ReasonFor(Parse(SmallWith("C 9.0", "C -90")), "c2"), HasSubstr("steeper"));
 }
 
+// kSmall's c1 is drawn from (1000, 1000) to (1050, 1000), c2 over (1060, 1000) to (1060, 1040).
+TEST(Swmm, WhatIsNoPipeStaysInTheMapWithItsCourseAndSize) {
+  const Network network = Parse(SmallWith("c2 circular 0.4", "c2 EGG 0.75"));
+  ASSERT_EQ(network.skipped.size(), 2u);
+  const SkippedLink& egg = network.skipped[0];
+  EXPECT_EQ(egg.name, "c2");
+  EXPECT_EQ(egg.upstream, "B 1");
+  EXPECT_EQ(egg.downstream, "C");
+  EXPECT_EQ(egg.height_m, 0.75);
+  EXPECT_EQ(egg.length_m, 50.0);  // 10 m and 40 m
+  ASSERT_EQ(egg.via_W.size(), 1u);
+  EXPECT_EQ(egg.via_W[0], Eigen::Vector2d(30, -20));
+  const SkippedLink& weir = network.skipped[1];
+  EXPECT_EQ(weir.length_m, ToMillimetre(std::hypot(60.0, 40.0)));
+  EXPECT_EQ(weir.height_m, 0.0);
+}
+
+TEST(Swmm, AnUndrawnLinkKeepsItsStatedLength) {
+  const Network network = Parse(SmallWith("C 1060 1040\n", ""));
+  EXPECT_EQ(network.skipped[0].name, "c2");
+  EXPECT_EQ(network.skipped[0].length_m, 50.0);
+}
+
+// Of these only a number is a height: the others name a transect or a street.
+TEST(Swmm, ShapesOfEveryKindStayInTheMap) {
+  for (const char* shape : {"EGG 1 0 0 0", "HORSESHOE 1 0 0 0", "ARCH 1 1 0 0", "CUSTOM 1 curve",
+                            "RECT_CLOSED 1 2 0 0", "FILLED_CIRCULAR 1 0.2 0 0",
+                            "FORCE_MAIN 1 140 0 0"}) {
+    const Network network =
+        Parse(SmallWith("c2 circular 0.4 0 0 0 1", std::string("c2 ") + shape));
+    EXPECT_EQ(network.skipped[0].height_m, 1.0) << shape;
+    EXPECT_EQ(network.pipes.size(), 1u) << shape;
+  }
+  for (const char* shape : {"IRREGULAR river", "STREET high_street", "DUMMY"}) {
+    const Network network =
+        Parse(SmallWith("c2 circular 0.4 0 0 0 1", std::string("c2 ") + shape));
+    EXPECT_EQ(network.skipped[0].height_m, 0.0) << shape;
+  }
+}
+
+TEST(Swmm, OneOfSeveralBarrelsIsLaid) {
+  const Network network = Parse(SmallWith("c2 circular 0.4 0 0 0 1", "c2 circular 0.4 0 0 0 3"));
+  EXPECT_EQ(network.pipes.size(), 2u);
+  EXPECT_TRUE(HasRemark(network, "conduit c2", "3 barrels"));
+}
+
+TEST(Swmm, AStorageUnitIsTakenForAManholeAndNamed) {
+  const Network network = Parse(SmallWith("[OUTFALLS]\nC 9.0 FREE", "[STORAGE]\nC 9.0 4.0 0"));
+  EXPECT_EQ(network.ManholeNamed("C").depth_m, 4.0);
+  EXPECT_TRUE(HasRemark(network, "node C", "storage unit"));
+}
+
 TEST(Swmm, AFileWithoutAUsablePipeIsRefused) {
   std::string text = SmallWith("c1 CIRCULAR", "c1 EGG");
   text.replace(text.find("c2 circular"), 11, "c2 TRIANGULAR");
@@ -171,6 +227,61 @@ TEST(Swmm, ReadsFeetWhereTheFlowUnitIsAmerican) {
   EXPECT_NEAR(network.pipes[0].diameter_m, 0.3 * 0.3048, 5e-5);
   EXPECT_NEAR(network.ManholeNamed("A").p_WM.x(), -30 * 0.3048, 5e-4);
   EXPECT_NEAR(network.ManholeNamed("A").p_WM.z(), 10 * 0.3048, 5e-4);
+}
+
+TEST(Swmm, KnowsEveryUnitSystem) {
+  for (const char* us : {"CFS", "GPM", "MGD", "cfs"}) {
+    EXPECT_NEAR(Parse(SmallWith("LPS", us)).ManholeNamed("C").p_WM.z(), 2.7432, 5e-4) << us;
+  }
+  for (const char* si : {"CMS", "LPS", "MLD", "mld"}) {
+    EXPECT_EQ(Parse(SmallWith("LPS", si)).ManholeNamed("C").p_WM.z(), 9.0) << si;
+  }
+  const Network silent = Parse(SmallWith("FLOW_UNITS LPS\n", ""));
+  EXPECT_NEAR(silent.ManholeNamed("C").p_WM.z(), 2.7432, 5e-4);
+  EXPECT_TRUE(HasRemark(silent, "units", "no FLOW_UNITS"));
+}
+
+TEST(Swmm, TheMapMaySayItsOwnUnit) {
+  // In feet by its flow, drawn in metres: the conduits are 50 ft, 15.24 m, long.
+  std::string text = SmallWith("LPS", "CFS");
+  text += "[MAP]\nDIMENSIONS 0 0 1 1\nUNITS Meters\n";
+  for (const char* length : {"\"B 1\" 50 0.010", "C 50 0.013"}) {
+    const std::size_t at = text.find(length);
+    const std::string words = length;
+    text.replace(at, words.size(), words.substr(0, words.find("50")) + "164.04" +
+                                       words.substr(words.find("50") + 2));
+  }
+  const Network network = Parse(text);
+  EXPECT_EQ(network.ManholeNamed("A").p_WM.x(), -30.0);
+  EXPECT_FALSE(HasRemark(network, "map", "scaled"));
+}
+
+// On WGS 84 at 55° N a degree is 63,994 m of longitude and 111,325 m of latitude (from its axes:
+// N cos φ and M with N = a / √(1 − e² sin² φ), M = a (1 − e²) / (1 − e² sin² φ)^1.5).
+TEST(Swmm, ProjectsDegrees) {
+  std::string text = SmallWith("A 1000 1000\n\"B 1\" 1050 1000\nC 1060 1040\n",
+                               "A 10.000 55\n\"B 1\" 10.001 55\nC 10.001 55.0004\n");
+  text.replace(text.find("c2 1060 1000\n"), 13, "");
+  text += "[MAP]\nUnits Degrees\n";
+  text.replace(text.find("\"B 1\" 50"), 8, "\"B 1\" 64");
+  text.replace(text.find("C 50 0.013"), 10, "C 44.5 0.013");
+  const Network network = Parse(text);
+  const double a_m = 6378137.0, e2 = 6.69437999e-3, sine = std::sin(55.0 * std::numbers::pi / 180);
+  const double n_m = a_m / std::sqrt(1 - e2 * sine * sine);
+  const double m_m = a_m * (1 - e2) / std::pow(1 - e2 * sine * sine, 1.5);
+  const Eigen::Vector3d east =
+      network.ManholeNamed("B 1").p_WM - network.ManholeNamed("A").p_WM;
+  const Eigen::Vector3d north =
+      network.ManholeNamed("C").p_WM - network.ManholeNamed("B 1").p_WM;
+  EXPECT_NEAR(east.x(), 0.001 * std::numbers::pi / 180 * n_m * std::sqrt(1 - sine * sine), 0.01);
+  EXPECT_NEAR(north.y(), 0.0004 * std::numbers::pi / 180 * m_m, 0.01);
+  EXPECT_NEAR(east.y(), 0.0, 1e-9);
+  EXPECT_TRUE(HasRemark(network, "map", "degrees"));
+  EXPECT_FALSE(HasRemark(network, "map", "scaled"));
+}
+
+TEST(Swmm, RefusesDegreesThatAreNone) {
+  ExpectRefused(std::string(kSmall) + "[MAP]\nUnits Degrees\n", 8, "MAP.UNITS");
 }
 
 TEST(Swmm, OffsetsMayBeElevations) {
@@ -211,6 +322,43 @@ TEST(Swmm, IsNotPickyAboutLineEndsCaseTabsAndRepeatedSections) {
   EXPECT_EQ(Parse(crlf).pipes.size(), 2u);
 }
 
+TEST(Swmm, ReadsHeadingsAsShortAsSwmmDoes) {
+  std::string text = SmallWith("[JUNCTIONS]", "[Junc]");
+  text.replace(text.find("[COORDINATES]"), 13, "[COORD]");
+  EXPECT_EQ(Parse(text).pipes.size(), 2u);
+}
+
+TEST(Swmm, NamesSectionsThatSwmmDoesNotKnowAndPassesOverTheRest) {
+  const Network network =
+      Parse(std::string(kSmall) + "[POLYGONS]\nA x y\n[LID_CONTROLS]\n?\n[ROBOTS]\n???\n");
+  EXPECT_EQ(network.pipes.size(), 2u);
+  EXPECT_TRUE(HasRemark(network, "section [ROBOTS]", "unknown"));
+  EXPECT_FALSE(HasRemark(network, "section [POLYGONS]", ""));
+  EXPECT_FALSE(HasRemark(network, "section [LID_CONTROLS]", ""));
+}
+
+TEST(Swmm, ReadsTheLineEndsOfOldMacs) {
+  std::string text = kSmall;
+  std::replace(text.begin(), text.end(), '\n', '\r');
+  EXPECT_EQ(Parse(text).pipes.size(), 2u);
+}
+
+TEST(Swmm, NamesMayHoldAnythingPrintable) {
+  for (const std::string name : {"#1", "a:b", "-", "~", "null", "x'y", "{[,]}", "Å ß 管", "a\\b", "*",
+                                 "&a", "1e5", "true", "a;b", "%YAML", "?"}) {
+    std::string text = kSmall;
+    for (std::size_t at = 0; (at = text.find("B 1", at)) != std::string::npos;) {
+      text.replace(at, 3, name);
+      at += name.size();
+    }
+    const Network network = Parse(text);
+    ASSERT_TRUE(network.FindManhole(name).has_value()) << name;
+    EXPECT_TRUE(ParseYaml(ToYaml(network), "again.yaml").FindManhole(name).has_value()) << name;
+  }
+  ExpectRefused(SmallWith("\"B 1\" 9.8", "\"\" 9.8"), 9, "JUNCTIONS.Name");
+  ExpectRefused(SmallWith("\"B 1\" 9.8", "\"B\t1\" 9.8"), 9, "JUNCTIONS.Name");
+}
+
 TEST(Swmm, ReadsLatin1Names) {
   std::string text = kSmall;
   for (std::size_t at = 0; (at = text.find("B 1", at)) != std::string::npos;) {
@@ -230,6 +378,7 @@ TEST(Swmm, ComplaintsNameLineAndField) {
   ExpectRefused(SmallWith("LPS", "BUCKETS"), 4, "OPTIONS.FLOW_UNITS");
   ExpectRefused(SmallWith("C 9.0 FREE", "A 9.0 FREE"), 11, "OUTFALLS.Name");
   ExpectRefused(SmallWith("c2 \"B 1\" C", "c1 \"B 1\" C"), 14, "CONDUITS.Name");
+  ExpectRefused(SmallWith("w1 A C", "c1 A C"), 16, "WEIRS.Name");
   ExpectRefused(SmallWith("[CONDUITS]", "[CONDUITS"), 12, "[CONDUITS");
   ExpectRefused("noise\n", 1, "");
   ExpectRefused(std::string("[OPTIONS]\n\0", 11), 2, "");
