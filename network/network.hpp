@@ -48,6 +48,8 @@ struct Manhole {
   double given_bench_m{};  ///< kGiven only: of the benching above the invert, > 0
   /// Centre-line radius of a curved channel [m]; absent: 0.66 of the shaft's radius.
   std::optional<double> channel_radius_m;
+
+  bool operator==(const Manhole&) const = default;
 };
 
 /// A joint between two pipe lengths, seen as a groove around the wall. The length after it may lie
@@ -61,6 +63,8 @@ struct Joint {
   double offset_clock_h{6.0};      ///< which way it is offset, looking downstream
   double deflection_rad{};         ///< angle between the two lengths' axes, >= 0
   double deflection_clock_h{6.0};  ///< which way the next length points, looking downstream
+
+  bool operator==(const Joint&) const = default;
 };
 
 /// A stretch of pipe that has sunk: its joints lie on a parabola below the grade, and the lengths
@@ -69,6 +73,8 @@ struct Sag {
   double start_m{};  ///< chainage
   double end_m{};
   double depth_m{};  ///< below the grade at the middle, > 0
+
+  bool operator==(const Sag&) const = default;
 };
 
 /// From here on, downstream, the pipe has another diameter: a step with a plane face.
@@ -76,6 +82,8 @@ struct DiameterChange {
   double chainage_m{};
   double diameter_m{};
   Alignment alignment{Alignment::kInvert};
+
+  bool operator==(const DiameterChange&) const = default;
 };
 
 /// A house connection: a round branch ending in the pipe's wall.
@@ -88,6 +96,8 @@ struct Inlet {
   /// flow.
   double angle_rad{std::numbers::pi / 2.0};
   double protrusion_m{};  ///< how far its end stands into the pipe, 0 if flush
+
+  bool operator==(const Inlet&) const = default;
 };
 
 /// Something in the way, solid to wheels and rays.
@@ -105,6 +115,8 @@ struct Obstacle {
   double height_m{};    ///< from the wall (sediment: the invert) towards the axis, > 0
   double length_m{};    ///< along the pipe, > 0; a stone's is its width
   double width_m{};     ///< across: a stone's foot, a brick's side, a ridge's arc; 0: full ring
+
+  bool operator==(const Obstacle&) const = default;
 };
 
 /// Damage planted on a wall: it is seen, and it is what the fault detector is judged against.
@@ -116,12 +128,16 @@ struct Fault {
   double clock_h{12.0};   ///< of its middle
   double length_m{0.1};   ///< extent along the axis
   double width_m{0.005};  ///< opening of a crack; extent around the wall of anything else
+
+  bool operator==(const Fault&) const = default;
 };
 
 /// A point where a pipe's centre line turns, rounded by an arc.
 struct Bend {
   Eigen::Vector2d p_W{Eigen::Vector2d::Zero()};  ///< where the two straight legs would meet [m]
   double radius_m{};                             ///< of the centre line, > diameter / 2
+
+  bool operator==(const Bend&) const = default;
 };
 
 /// A circular pipe between two manholes. Chainage runs from the upstream manhole's shaft wall to
@@ -148,6 +164,8 @@ struct Pipe {
   [[nodiscard]] double DownstreamDiameter() const;
   /// Inner diameter at its end in this manhole.
   [[nodiscard]] double DiameterIn(const std::string& manhole) const;
+
+  bool operator==(const Pipe&) const = default;
 };
 
 /// What a reader left out or filled in, for the person who supplied the file.

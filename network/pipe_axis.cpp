@@ -7,6 +7,9 @@
 #include <limits>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
+
+#include "network/laid_line.hpp"
 
 namespace kantaro::network {
 namespace {
@@ -129,22 +132,6 @@ AxisPiece Lift(const PlanPiece& plan, double z_m, double grade) {
   return piece;
 }
 
-/// Pose on a piece, going on straight beyond its ends.
-Isometry3d PoseOn(const AxisPiece& piece, double along_m) {
-  const double on_m = std::clamp(along_m, 0.0, piece.length_m);
-  const double angle = piece.curvature * on_m;
-  Isometry3d X_SA = Isometry3d::Identity();
-  if (piece.curvature == 0.0) {
-    X_SA.translation().x() = on_m;
-  } else {
-    X_SA.linear() = Eigen::AngleAxisd(angle, Vector3d::UnitZ()).toRotationMatrix();
-    X_SA.translation() << std::sin(angle) / piece.curvature,
-        (1.0 - std::cos(angle)) / piece.curvature, 0.0;
-  }
-  X_SA.translation() += (along_m - on_m) * X_SA.linear().col(0);
-  return piece.X_WS * X_SA;
-}
-
 /// How far along a piece its nearest point to p lies, within the piece.
 double NearestOn(const AxisPiece& piece, const Vector3d& p_W) {
   const Vector3d p_S = piece.X_WS.inverse(Eigen::Isometry) * p_W;
@@ -163,7 +150,67 @@ ShaftEnd EndNamed(const Network& network, const std::string& name) {
   return {manhole.p_WM, network.ShaftDiameter(manhole) / 2.0};
 }
 
+/// The centre line as designed.
+struct Design {
+  std::vector<AxisPiece> pieces;
+  double length_m{};
+  double grade{};  ///< rise over plan length
+};
+
+/// Grade of the design line if steps raise the axis by `step_m` square to it, `rise_m` in all.
+double GradeFor(double rise_m, double step_m, double plan_m) {
+  double grade = rise_m / plan_m;
+  for (int i = 0; i < 20 && step_m != 0.0; ++i) {
+    grade = (rise_m - step_m * std::hypot(1.0, grade)) / plan_m;
+  }
+  return grade;
+}
+
+Design MakeDesign(const ShaftEnd& upstream, const ShaftEnd& downstream, const Pipe& pipe) {
+  const std::vector<PlanPiece> plan = MakePlan(upstream, downstream, pipe);
+  double plan_m = 0.0;
+  for (const PlanPiece& piece : plan) plan_m += piece.length_m;
+  if (plan_m < kShortestPipe_m) {
+    throw std::invalid_argument(
+        fmt::format("only {:.3f} m of pipe lie between the two shafts, at least {} m are wanted",
+                    plan_m, kShortestPipe_m));
+  }
+  const double start_z_m = upstream.p_WM.z() + pipe.upstream_offset_m + pipe.diameter_m / 2.0;
+  const double end_z_m =
+      downstream.p_WM.z() + pipe.downstream_offset_m + pipe.DownstreamDiameter() / 2.0;
+  Design design;
+  design.grade = GradeFor(end_z_m - start_z_m, TotalStep(pipe), plan_m);
+  if (!(std::abs(design.grade) <= kSteepestGrade)) {
+    throw std::invalid_argument(fmt::format("it is steeper than 45° ({:.3f} m over {:.3f} m)",
+                                            end_z_m - start_z_m, plan_m));
+  }
+  double gone_m = 0.0;
+  for (const PlanPiece& piece : plan) {
+    AxisPiece lifted = Lift(piece, start_z_m + design.grade * gone_m, design.grade);
+    lifted.start_m = design.length_m;
+    design.length_m += lifted.length_m;
+    gone_m += piece.length_m;
+    design.pieces.push_back(lifted);
+  }
+  return design;
+}
+
 }  // namespace
+
+Isometry3d PoseOn(const AxisPiece& piece, double along_m) {
+  const double on_m = std::clamp(along_m, 0.0, piece.length_m);
+  const double angle = piece.curvature * on_m;
+  Isometry3d X_SA = Isometry3d::Identity();
+  if (piece.curvature == 0.0) {
+    X_SA.translation().x() = on_m;
+  } else {
+    X_SA.linear() = Eigen::AngleAxisd(angle, Vector3d::UnitZ()).toRotationMatrix();
+    X_SA.translation() << std::sin(angle) / piece.curvature,
+        (1.0 - std::cos(angle)) / piece.curvature, 0.0;
+  }
+  X_SA.translation() += (along_m - on_m) * X_SA.linear().col(0);
+  return piece.X_WS * X_SA;
+}
 
 ShaftEnd EndAt(const Network& network, const NetworkIndex& index, std::size_t manhole) {
   return {network.manholes[manhole].p_WM, index.shaft_diameter_m[manhole] / 2.0};
@@ -177,29 +224,21 @@ PipeAxis::PipeAxis(const Network& network, const NetworkIndex& index, std::size_
                EndAt(network, index, index.downstream[pipe]), network.pipes[pipe]) {}
 
 PipeAxis::PipeAxis(const ShaftEnd& upstream, const ShaftEnd& downstream, const Pipe& pipe) {
-  const std::vector<PlanPiece> plan = MakePlan(upstream, downstream, pipe);
-  double plan_m = 0.0;
-  for (const PlanPiece& piece : plan) plan_m += piece.length_m;
-  if (plan_m < kShortestPipe_m) {
-    throw std::invalid_argument(
-        fmt::format("only {:.3f} m of pipe lie between the two shafts, at least {} m are wanted",
-                    plan_m, kShortestPipe_m));
+  Design design = MakeDesign(upstream, downstream, pipe);
+  grade_ = design.grade;
+  if (LiesAsDesigned(pipe)) {
+    pieces_ = std::move(design.pieces);
+    length_m_ = design.length_m;
+    return;
   }
-  const double start_z_m = upstream.p_WM.z() + pipe.upstream_offset_m + pipe.diameter_m / 2.0;
-  const double end_z_m = downstream.p_WM.z() + pipe.downstream_offset_m + pipe.diameter_m / 2.0;
-  grade_ = (end_z_m - start_z_m) / plan_m;
-  if (!(std::abs(grade_) <= kSteepestGrade)) {
-    throw std::invalid_argument(fmt::format("it is steeper than 45° ({:.3f} m over {:.3f} m)",
-                                            end_z_m - start_z_m, plan_m));
-  }
-  double gone_m = 0.0;
-  for (const PlanPiece& piece : plan) {
-    AxisPiece lifted = Lift(piece, start_z_m + grade_ * gone_m, grade_);
-    lifted.start_m = length_m_;
-    length_m_ += lifted.length_m;
-    gone_m += piece.length_m;
-    pieces_.push_back(lifted);
-  }
+  // The steps stand square to the grade: with them the line comes to the shaft's wall earlier or
+  // later.
+  pieces_ = LayLengths(design.pieces, design.length_m + grade_ * TotalStep(pipe), pipe);
+  length_m_ = pieces_.back().start_m + pieces_.back().length_m;
+}
+
+double DesignLength(const ShaftEnd& upstream, const ShaftEnd& downstream, const Pipe& pipe) {
+  return MakeDesign(upstream, downstream, pipe).length_m;
 }
 
 Isometry3d PipeAxis::PoseAt(double chainage_m) const {

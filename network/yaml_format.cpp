@@ -5,6 +5,8 @@
 #include <charconv>
 #include <cmath>
 #include <iterator>
+#include <limits>
+#include <numbers>
 #include <optional>
 #include <string_view>
 
@@ -20,11 +22,45 @@ namespace {
 
 // ---------------------------------------------------------------------------------------- reading
 
-double Millimetres(const YamlNode& node) { return node.Number() / 1000.0; }
+constexpr long double kMillimetres = 1000.0L;                               // in a metre
+constexpr long double kDegrees = 180.0L / std::numbers::pi_v<long double>;  // in a radian
+
+/// The number in the text over the units in one of ours. In more than double precision: there is a
+/// text for every double then.
+double InUnits(std::string_view text, long double units) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  long double value{};
+  std::from_chars(text.data(), text.data() + text.size(), value);
+  return static_cast<double>(value / units);
+}
+
+double Scaled(const YamlNode& node, long double units) {
+  (void)node.Number();  // which complains of what is no number
+  return InUnits(node.Text(), units);
+}
+
+double Millimetres(const YamlNode& node) { return Scaled(node, kMillimetres); }
 
 std::optional<double> MillimetresIfGiven(const YamlNode& node, std::string_view key) {
   const auto found = node.Find(key);
   return found ? std::optional<double>(Millimetres(*found)) : std::nullopt;
+}
+
+template <typename Function>
+void ReadIfGiven(const YamlNode& node, std::string_view key, Function&& read) {
+  if (const auto found = node.Find(key)) read(*found);
+}
+
+void ReadMillimetres(const YamlNode& node, std::string_view key, double& value_m) {
+  ReadIfGiven(node, key, [&](const YamlNode& found) { value_m = Millimetres(found); });
+}
+
+void ReadDegrees(const YamlNode& node, std::string_view key, double& value_rad) {
+  ReadIfGiven(node, key, [&](const YamlNode& found) { value_rad = Scaled(found, kDegrees); });
+}
+
+void ReadNumber(const YamlNode& node, std::string_view key, double& value) {
+  ReadIfGiven(node, key, [&](const YamlNode& found) { value = found.Number(); });
 }
 
 template <typename Enum>
@@ -34,9 +70,27 @@ Enum Word(const YamlNode& node) {
                                fmt::join(kWords<Enum>, ", ")));
 }
 
-std::vector<YamlNode> ElementsIfGiven(const YamlNode& node, std::string_view key) {
-  const auto found = node.Find(key);
-  return found ? found->Elements() : std::vector<YamlNode>{};
+template <typename Item>
+void ReadList(const YamlNode& node, std::string_view key, std::vector<Item>& items,
+              Item (*read)(const YamlNode&)) {
+  ReadIfGiven(node, key, [&](const YamlNode& list) {
+    for (const YamlNode& element : list.Elements()) items.push_back(read(element));
+  });
+}
+
+/// A word, or a number of millimetres.
+void ReadBenchHeight(const YamlNode& node, Manhole& manhole) {
+  const std::string text = node.Text();
+  if (const auto word = FromWord<BenchHeight>(text)) {
+    manhole.bench_height = *word;
+    return;
+  }
+  if (std::isalpha(static_cast<unsigned char>(text.front())) != 0) {
+    throw node.Error(fmt::format("\"{}\" is none of {}, nor a number of millimetres",
+                                 text.substr(0, 40), fmt::join(kWords<BenchHeight>, ", ")));
+  }
+  manhole.bench_height = BenchHeight::kGiven;
+  manhole.given_bench_m = Millimetres(node);
 }
 
 Manhole ReadManhole(const YamlNode& node) {
@@ -46,11 +100,11 @@ Manhole ReadManhole(const YamlNode& node) {
   manhole.name = node["name"].Text();
   const std::vector<double> position_m = node["position_m"].Numbers(3);
   manhole.p_WM = {position_m[0], position_m[1], position_m[2]};
-  if (const auto depth = node.Find("depth_m")) manhole.depth_m = depth->Number();
+  ReadNumber(node, "depth_m", manhole.depth_m);
   manhole.shaft_diameter_m = MillimetresIfGiven(node, "shaft_diameter_mm");
   manhole.channel_radius_m = MillimetresIfGiven(node, "channel_radius_mm");
-  if (const auto bench = node.Find("bench_height"))
-    manhole.bench_height = Word<BenchHeight>(*bench);
+  ReadIfGiven(node, "bench_height",
+              [&](const YamlNode& bench) { ReadBenchHeight(bench, manhole); });
   return manhole;
 }
 
@@ -61,18 +115,54 @@ Bend ReadBend(const YamlNode& node) {
 }
 
 Joint ReadJoint(const YamlNode& node) {
-  node.AllowOnly({"at_m", "gap_mm", "depth_mm"});
+  node.AllowOnly({"at_m", "gap_mm", "depth_mm", "offset_mm", "offset_clock", "deflection_deg",
+                  "deflection_clock"});
   Joint joint;
   joint.chainage_m = node["at_m"].Number();
-  joint.gap_m = MillimetresIfGiven(node, "gap_mm").value_or(joint.gap_m);
-  joint.depth_m = MillimetresIfGiven(node, "depth_mm").value_or(joint.depth_m);
+  ReadMillimetres(node, "gap_mm", joint.gap_m);
+  ReadMillimetres(node, "depth_mm", joint.depth_m);
+  ReadMillimetres(node, "offset_mm", joint.offset_m);
+  ReadNumber(node, "offset_clock", joint.offset_clock_h);
+  ReadDegrees(node, "deflection_deg", joint.deflection_rad);
+  ReadNumber(node, "deflection_clock", joint.deflection_clock_h);
   return joint;
 }
 
+Sag ReadSag(const YamlNode& node) {
+  node.AllowOnly({"from_m", "to_m", "depth_mm"});
+  return {node["from_m"].Number(), node["to_m"].Number(), Millimetres(node["depth_mm"])};
+}
+
+DiameterChange ReadDiameterChange(const YamlNode& node) {
+  node.AllowOnly({"at_m", "diameter_mm", "align"});
+  DiameterChange change{node["at_m"].Number(), Millimetres(node["diameter_mm"])};
+  ReadIfGiven(node, "align",
+              [&](const YamlNode& word) { change.alignment = Word<Alignment>(word); });
+  return change;
+}
+
 Inlet ReadInlet(const YamlNode& node) {
-  node.AllowOnly({"name", "at_m", "diameter_mm", "clock"});
-  return {node["name"].Text(), node["at_m"].Number(), Millimetres(node["diameter_mm"]),
-          node["clock"].Number()};
+  node.AllowOnly({"name", "at_m", "diameter_mm", "clock", "angle_deg", "protrusion_mm"});
+  Inlet inlet{node["name"].Text(), node["at_m"].Number(), Millimetres(node["diameter_mm"]),
+              node["clock"].Number()};
+  ReadDegrees(node, "angle_deg", inlet.angle_rad);
+  ReadMillimetres(node, "protrusion_mm", inlet.protrusion_m);
+  return inlet;
+}
+
+Obstacle ReadObstacle(const YamlNode& node) {
+  node.AllowOnly({"name", "kind", "at_m", "clock", "height_mm", "length_mm", "width_mm"});
+  Obstacle obstacle;
+  obstacle.name = node["name"].Text();
+  obstacle.kind = Word<ObstacleKind>(node["kind"]);
+  obstacle.chainage_m = node["at_m"].Number();
+  ReadNumber(node, "clock", obstacle.clock_h);
+  obstacle.height_m = Millimetres(node["height_mm"]);
+  ReadMillimetres(node, "width_mm", obstacle.width_m);
+  const bool is_stone = obstacle.kind == ObstacleKind::kStone;
+  obstacle.length_m =
+      is_stone && !node.Find("length_mm") ? obstacle.width_m : Millimetres(node["length_mm"]);
+  return obstacle;
 }
 
 Fault ReadFault(const YamlNode& node) {
@@ -83,37 +173,43 @@ Fault ReadFault(const YamlNode& node) {
           Millimetres(node["width_mm"])};
 }
 
+bool HasJointPattern(const YamlNode& pipe) {
+  const auto joints = pipe.Find("joints");
+  return joints && !joints->IsSequence();
+}
+
 Pipe ReadPipe(const YamlNode& node) {
-  node.AllowOnly({"name", "from", "to", "diameter_mm", "material", "from_offset_mm", "to_offset_mm",
-                  "bends", "joints", "inlets", "faults"});
+  node.AllowOnly({"name", "from", "to", "diameter_mm", "material", "condition", "water_mm",
+                  "from_offset_mm", "to_offset_mm", "bends", "joints", "sags", "diameter_changes",
+                  "inlets", "obstacles", "faults"});
   Pipe pipe;
   pipe.name = node["name"].Text();
   pipe.upstream = node["from"].Text();
   pipe.downstream = node["to"].Text();
   pipe.diameter_m = Millimetres(node["diameter_mm"]);
   pipe.material = Word<Material>(node["material"]);
-  pipe.upstream_offset_m = MillimetresIfGiven(node, "from_offset_mm").value_or(0.0);
-  pipe.downstream_offset_m = MillimetresIfGiven(node, "to_offset_mm").value_or(0.0);
-  for (const YamlNode& bend : ElementsIfGiven(node, "bends")) pipe.bends.push_back(ReadBend(bend));
-  for (const YamlNode& inlet : ElementsIfGiven(node, "inlets")) {
-    pipe.inlets.push_back(ReadInlet(inlet));
-  }
-  for (const YamlNode& fault : ElementsIfGiven(node, "faults")) {
-    pipe.faults.push_back(ReadFault(fault));
-  }
-  if (const auto joints = node.Find("joints"); joints && joints->IsSequence()) {
-    for (const YamlNode& joint : joints->Elements()) pipe.joints.push_back(ReadJoint(joint));
+  ReadIfGiven(node, "condition",
+              [&](const YamlNode& word) { pipe.condition = Word<WallCondition>(word); });
+  ReadMillimetres(node, "water_mm", pipe.water_m);
+  ReadMillimetres(node, "from_offset_mm", pipe.upstream_offset_m);
+  ReadMillimetres(node, "to_offset_mm", pipe.downstream_offset_m);
+  ReadList(node, "bends", pipe.bends, ReadBend);
+  ReadList(node, "diameter_changes", pipe.diameter_changes, ReadDiameterChange);
+  ReadList(node, "inlets", pipe.inlets, ReadInlet);
+  ReadList(node, "obstacles", pipe.obstacles, ReadObstacle);
+  ReadList(node, "faults", pipe.faults, ReadFault);
+  if (!HasJointPattern(node)) {
+    ReadList(node, "joints", pipe.joints, ReadJoint);
+    ReadList(node, "sags", pipe.sags, ReadSag);
   }
   return pipe;
 }
 
-/// Joints by pattern: they need the pipe's length, so the network must stand (and be checked)
-/// first.
 std::vector<Joint> ReadJointPattern(const YamlNode& node, double pipe_length_m) {
   node.AllowOnly({"first_m", "spacing_m", "gap_mm", "depth_mm"});
   JointPattern pattern;
-  pattern.gap_m = MillimetresIfGiven(node, "gap_mm").value_or(pattern.gap_m);
-  pattern.depth_m = MillimetresIfGiven(node, "depth_mm").value_or(pattern.depth_m);
+  ReadMillimetres(node, "gap_mm", pattern.gap_m);
+  ReadMillimetres(node, "depth_mm", pattern.depth_m);
   pattern.first_m = node["first_m"].Number(0.0, pipe_length_m);
   pattern.spacing_m = node["spacing_m"].Number();
   if (pattern.spacing_m < kShortestSpacing_m) {
@@ -123,18 +219,25 @@ std::vector<Joint> ReadJointPattern(const YamlNode& node, double pipe_length_m) 
   return LayJoints(pattern, pipe_length_m);
 }
 
+double DesignLengthOf(const Network& network, const NetworkIndex& index, std::size_t pipe) {
+  return DesignLength(EndAt(network, index, index.upstream[pipe]),
+                      EndAt(network, index, index.downstream[pipe]), network.pipes[pipe]);
+}
+
+/// Joints by pattern, and the sags between them: they need the pipe's length, so the network must
+/// stand (and be checked) without them first.
 void ReadJointPatterns(const std::vector<YamlNode>& pipes, Network& network) {
   const NetworkIndex index(network);
   std::size_t joints = 0;
   for (std::size_t i = 0; i < pipes.size(); ++i) {
-    const auto node = pipes[i].Find("joints");
-    if (!node || node->IsSequence()) continue;
+    if (!HasJointPattern(pipes[i])) continue;
+    const YamlNode node = pipes[i]["joints"];
     Pipe& pipe = network.pipes[i];
-    const PipeAxis axis(network, index, i);
-    pipe.joints = ReadJointPattern(*node, axis.length_m());
+    pipe.joints = ReadJointPattern(node, DesignLengthOf(network, index, i));
+    ReadList(pipes[i], "sags", pipe.sags, ReadSag);
     joints += pipe.joints.size();
     if (joints > kMostJoints) {
-      throw node->Error(fmt::format("a network has at most {} joints", kMostJoints));
+      throw node.Error(fmt::format("a network has at most {} joints", kMostJoints));
     }
   }
 }
@@ -156,15 +259,23 @@ YamlNode NodeOf(const YamlNode& node, std::string_view field) {
 
 // ---------------------------------------------------------------------------------------- writing
 
-/// A number of millimetres that reads back as the same number of metres.
-std::string MillimetreText(double value_m) {
-  double value_mm = value_m * 1000.0;
-  for (const double candidate :
-       {value_mm, std::nextafter(value_mm, -HUGE_VAL), std::nextafter(value_mm, HUGE_VAL)}) {
-    if (candidate / 1000.0 == value_m) value_mm = candidate;
+/// The shortest number that reads back as the same value in our units.
+std::string ScaledText(double value, long double units) {
+  const long double scaled = value * units;
+  // Not below the digits before the point: 250, not 2.5e+02.
+  const int whole =
+      std::abs(scaled) < 10.0L ? 1 : static_cast<int>(std::log10(std::abs(scaled))) + 1;
+  std::string text;
+  for (int digits = std::min(whole, 17); digits <= std::numeric_limits<long double>::max_digits10;
+       ++digits) {
+    text = fmt::format("{:.{}g}", scaled, digits);
+    if (InUnits(text, units) == value) break;
   }
-  return fmt::format("{}", value_mm);
+  return text;
 }
+
+std::string MillimetreText(double value_m) { return ScaledText(value_m, kMillimetres); }
+std::string DegreeText(double value_rad) { return ScaledText(value_rad, kDegrees); }
 
 bool IsPlainWord(const std::string& name) {
   const auto is_plain = [](char c) {
@@ -193,7 +304,9 @@ std::string ManholeText(const Manhole& manhole) {
   if (manhole.shaft_diameter_m) {
     text += fmt::format(", shaft_diameter_mm: {}", MillimetreText(*manhole.shaft_diameter_m));
   }
-  text += fmt::format(", bench_height: {}", WordFor(manhole.bench_height));
+  text += ", bench_height: ";
+  text += manhole.bench_height == BenchHeight::kGiven ? MillimetreText(manhole.given_bench_m)
+                                                      : WordFor(manhole.bench_height);
   if (manhole.channel_radius_m) {
     text += fmt::format(", channel_radius_mm: {}", MillimetreText(*manhole.channel_radius_m));
   }
@@ -205,14 +318,49 @@ std::string BendText(const Bend& bend) {
                      MillimetreText(bend.radius_m));
 }
 
+/// ", key: text" unless the value is the one that is meant without it.
+std::string IfOther(const char* key, double value, double usual, std::string (*write)(double)) {
+  return value == usual ? "" : fmt::format(", {}: {}", key, write(value));
+}
+
+std::string NumberText(double value) { return fmt::format("{}", value); }
+
 std::string JointText(const Joint& joint) {
-  return fmt::format("{{at_m: {}, gap_mm: {}, depth_mm: {}}}", joint.chainage_m,
-                     MillimetreText(joint.gap_m), MillimetreText(joint.depth_m));
+  const Joint usual;
+  return fmt::format("{{at_m: {}, gap_mm: {}, depth_mm: {}", joint.chainage_m,
+                     MillimetreText(joint.gap_m), MillimetreText(joint.depth_m)) +
+         IfOther("offset_mm", joint.offset_m, usual.offset_m, MillimetreText) +
+         IfOther("offset_clock", joint.offset_clock_h, usual.offset_clock_h, NumberText) +
+         IfOther("deflection_deg", joint.deflection_rad, usual.deflection_rad, DegreeText) +
+         IfOther("deflection_clock", joint.deflection_clock_h, usual.deflection_clock_h,
+                 NumberText) +
+         "}";
+}
+
+std::string SagText(const Sag& sag) {
+  return fmt::format("{{from_m: {}, to_m: {}, depth_mm: {}}}", sag.start_m, sag.end_m,
+                     MillimetreText(sag.depth_m));
+}
+
+std::string DiameterChangeText(const DiameterChange& change) {
+  return fmt::format("{{at_m: {}, diameter_mm: {}, align: {}}}", change.chainage_m,
+                     MillimetreText(change.diameter_m), WordFor(change.alignment));
 }
 
 std::string InletText(const Inlet& inlet) {
-  return fmt::format("{{name: {}, at_m: {}, diameter_mm: {}, clock: {}}}", NameText(inlet.name),
-                     inlet.chainage_m, MillimetreText(inlet.diameter_m), inlet.clock_h);
+  const Inlet usual;
+  return fmt::format("{{name: {}, at_m: {}, diameter_mm: {}, clock: {}", NameText(inlet.name),
+                     inlet.chainage_m, MillimetreText(inlet.diameter_m), inlet.clock_h) +
+         IfOther("angle_deg", inlet.angle_rad, usual.angle_rad, DegreeText) +
+         IfOther("protrusion_mm", inlet.protrusion_m, usual.protrusion_m, MillimetreText) + "}";
+}
+
+std::string ObstacleText(const Obstacle& obstacle) {
+  return fmt::format("{{name: {}, kind: {}, at_m: {}, clock: {}, height_mm: {}, length_mm: {}",
+                     NameText(obstacle.name), WordFor(obstacle.kind), obstacle.chainage_m,
+                     obstacle.clock_h, MillimetreText(obstacle.height_m),
+                     MillimetreText(obstacle.length_m)) +
+         IfOther("width_mm", obstacle.width_m, 0.0, MillimetreText) + "}";
 }
 
 std::string FaultText(const Fault& fault) {
@@ -231,11 +379,7 @@ void WriteList(std::string& text, const char* key, const std::vector<Item>& item
 }
 
 bool Lays(const JointPattern& pattern, double pipe_length_m, const std::vector<Joint>& joints) {
-  const std::vector<Joint> laid = LayJoints(pattern, pipe_length_m);
-  return std::equal(
-      laid.begin(), laid.end(), joints.begin(), joints.end(), [](const Joint& a, const Joint& b) {
-        return a.chainage_m == b.chainage_m && a.gap_m == b.gap_m && a.depth_m == b.depth_m;
-      });
+  return LayJoints(pattern, pipe_length_m) == joints;
 }
 
 /// The pattern that lays exactly these joints, if there is one.
@@ -257,20 +401,26 @@ void WriteJoints(std::string& text, const Pipe& pipe, double length_m) {
                       MillimetreText(pattern->depth_m));
 }
 
-void WritePipe(std::string& text, const Pipe& pipe, double length_m) {
+void WritePipe(std::string& text, const Pipe& pipe, double design_length_m) {
   text +=
       fmt::format("  - name: {}\n    from: {}\n    to: {}\n    diameter_mm: {}\n    material: {}\n",
                   NameText(pipe.name), NameText(pipe.upstream), NameText(pipe.downstream),
                   MillimetreText(pipe.diameter_m), WordFor(pipe.material));
-  if (pipe.upstream_offset_m != 0.0) {
-    text += fmt::format("    from_offset_mm: {}\n", MillimetreText(pipe.upstream_offset_m));
+  const auto write_millimetres = [&](const char* key, double value_m) {
+    if (value_m != 0.0) text += fmt::format("    {}: {}\n", key, MillimetreText(value_m));
+  };
+  if (pipe.condition != WallCondition::kDry) {
+    text += fmt::format("    condition: {}\n", WordFor(pipe.condition));
   }
-  if (pipe.downstream_offset_m != 0.0) {
-    text += fmt::format("    to_offset_mm: {}\n", MillimetreText(pipe.downstream_offset_m));
-  }
+  write_millimetres("water_mm", pipe.water_m);
+  write_millimetres("from_offset_mm", pipe.upstream_offset_m);
+  write_millimetres("to_offset_mm", pipe.downstream_offset_m);
   WriteList(text, "bends", pipe.bends, BendText);
-  WriteJoints(text, pipe, length_m);
+  WriteList(text, "diameter_changes", pipe.diameter_changes, DiameterChangeText);
+  WriteJoints(text, pipe, design_length_m);
+  WriteList(text, "sags", pipe.sags, SagText);
   WriteList(text, "inlets", pipe.inlets, InletText);
+  WriteList(text, "obstacles", pipe.obstacles, ObstacleText);
   WriteList(text, "faults", pipe.faults, FaultText);
 }
 
@@ -321,8 +471,7 @@ std::string ToYaml(const Network& network) {
   text += "pipes:\n";
   const NetworkIndex index(network);
   for (std::size_t i = 0; i < network.pipes.size(); ++i) {
-    const PipeAxis axis(network, index, i);
-    WritePipe(text, network.pipes[i], axis.length_m());
+    WritePipe(text, network.pipes[i], DesignLengthOf(network, index, i));
   }
   return text;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <utility>
 
@@ -32,5 +33,8 @@ inline Network OnePipe() {
   network.pipes = {PipeFrom("P", "A", "B")};
   return network;
 }
+
+/// A chain of pipes over manholes that stand 12 to 30 m apart, with chance numbers in everything.
+Network RandomSewer(std::uint64_t seed);
 
 }  // namespace kantaro::network
