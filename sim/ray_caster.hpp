@@ -20,7 +20,7 @@ struct Ray {
 struct RayHit {
   double range_m{};          ///< along the ray
   Eigen::Vector3d normal_W;  ///< of the true surface there, unit, into the void
-  std::uint32_t owner{};     ///< index of the void primitive whose wall it is
+  std::uint32_t owner{};     ///< number of the primitive whose wall it is, as in SurfaceMesh
 };
 
 /// Finds the nearest wall along a ray (Embree); none slips through where triangles meet.

@@ -45,7 +45,37 @@ void VaryTone(Paint& paint, RandomStream& random, double contrast) {
   paint.look.colour.z() *= static_cast<float>(tone * (1.0 - warmth));
 }
 
+Look LookOf(network::ObstacleKind kind) {
+  switch (kind) {
+    case network::ObstacleKind::kSediment:
+      return {Pattern::kRough, {0.30f, 0.25f, 0.18f}, 0.10f, 0.8f};
+    case network::ObstacleKind::kStone:
+      return {Pattern::kRough, {0.45f, 0.44f, 0.42f}, 0.10f, 0.6f};
+    case network::ObstacleKind::kMortarRidge:
+      return {Pattern::kRough, {0.62f, 0.60f, 0.56f}, 0.05f, 0.6f};
+    case network::ObstacleKind::kBrick:
+      return {Pattern::kConcrete, {0.50f, 0.24f, 0.16f}, 0.05f, 0.4f};
+  }
+  return {};
+}
+
+Paint PaintOfSolid(const Sewer& sewer, std::size_t index, const SceneryOptions& options) {
+  const SolidPrimitive& solid = sewer.solids[index];
+  const network::Pipe& pipe = sewer.network.pipes[sewer.parts[solid.part].index];
+  RandomStream random(options.seed, fmt::format("paint solid {}", index));
+  Paint paint;
+  paint.period_m = {0.2f, 0.2f};
+  // A protruding inlet is a pipe's end of the same kind.
+  paint.look = solid.feature == Feature::kObstacle ? LookOf(pipe.obstacles[solid.item].kind)
+                                                   : PipeWallLook(pipe.material);
+  VaryTone(paint, random, options.texture_contrast);
+  return paint;
+}
+
+/// @param index  a number of a primitive, as in SurfaceMesh
 Paint PaintOf(const Sewer& sewer, std::size_t index, const SceneryOptions& options) {
+  if (index >= sewer.voids.size())
+    return PaintOfSolid(sewer, index - sewer.voids.size(), options);
   const VoidPrimitive& primitive = sewer.voids[index];
   const Part& part = sewer.parts[primitive.part];
   RandomStream random(options.seed, fmt::format("paint {}", index));
@@ -81,7 +111,7 @@ Paint PaintOf(const Sewer& sewer, std::size_t index, const SceneryOptions& optio
       paint.offset = {static_cast<float>(random.Uniform(0.0, 1.0)),
                       static_cast<float>(random.Uniform(0.0, 1.0))};
       break;
-    case Feature::kObstacle:
+    case Feature::kObstacle:  // a solid's
       break;
   }
   VaryTone(paint, random, options.texture_contrast);
@@ -99,7 +129,10 @@ std::vector<Visual> CutWall(const Sewer& sewer, const SurfaceMesh& mesh,
   std::map<std::pair<std::uint32_t, int>, std::vector<std::size_t>> groups;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const std::uint32_t owner = mesh.owner[t];
-    const double along_m = ToSweep(sewer.voids[owner], Middle(mesh, mesh.triangles[t])).along_m;
+    const double along_m =
+        owner < sewer.voids.size()
+            ? ToSweep(sewer.voids[owner], Middle(mesh, mesh.triangles[t])).along_m
+            : 0.0;
     groups[{owner, static_cast<int>(std::floor(along_m / chunk_m))}].push_back(t);
   }
   std::vector<Visual> visuals;
@@ -152,7 +185,7 @@ std::vector<Visual> BuildVisuals(const Sewer& sewer, const SurfaceMesh& mesh,
                                  const SceneryOptions& options) {
   std::vector<Visual> visuals = BuildDetails(sewer, options);
   const std::size_t detail_count = visuals.size();
-  if (detail_count + sewer.voids.size() > kMostMeshes) {
+  if (detail_count + sewer.voids.size() + sewer.solids.size() > kMostMeshes) {
     throw std::invalid_argument(
         fmt::format("a scenery holds {} pieces at most: give it the part of the network that the "
                     "mission can reach",
@@ -297,7 +330,7 @@ std::vector<Scenery::Piece> Place(const mjModel* model, const std::vector<Visual
 }  // namespace
 
 Scenery::Scenery(const Sewer& sewer, const SurfaceMesh& mesh, const SceneryOptions& options) {
-  const auto is_owner = [&](std::uint32_t owner) { return owner < sewer.voids.size(); };
+  const auto is_owner = [&](std::uint32_t owner) { return owner < sewer.voids.size() + sewer.solids.size(); };
   if (mesh.owner.size() != mesh.triangles.size() || !std::ranges::all_of(mesh.owner, is_owner)) {
     throw std::invalid_argument("a scenery needs the mesh of its own sewer");
   }

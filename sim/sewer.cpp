@@ -309,7 +309,8 @@ class Builder {
       const double half = obstacle.width_m / 2.0;
       const double radius =
           (half * half + obstacle.height_m * obstacle.height_m) / (2.0 * obstacle.height_m);
-      solid.shape = Ball{X_WP * ((top_m + radius) * outward), radius};
+      solid.shape = Ball{X_WP * ((top_m + radius) * outward), radius, X_WP.linear() * -outward,
+                         std::max(radius - obstacle.height_m - kRoot_m, -radius)};
       solid.start_chainage_m = obstacle.chainage_m - half;
     } else {
       const double height = obstacle.height_m + kRoot_m;

@@ -80,8 +80,21 @@ Wall SurfaceOf(const Bed& bed, const Vector3d& p_W) {
 Wall SurfaceOf(const Ball& ball, const Vector3d& p_W) {
   const Vector3d offset = p_W - ball.p_WB;
   const double distance = offset.norm();
-  return {distance - ball.radius_m,
-          distance > 0.0 ? Vector3d(offset / distance) : Vector3d::UnitZ()};
+  const double height = ball.up_W.dot(offset);
+  const Wall round{distance - ball.radius_m,
+                   distance > 0.0 ? Vector3d(offset / distance) : ball.up_W};
+  // A whole ball, or its round side is nearer.
+  if (ball.foot_m <= -ball.radius_m || ball.radius_m * height >= ball.foot_m * distance) {
+    const double under = ball.foot_m - height;
+    return under > round.distance_m ? Wall{under, -ball.up_W} : round;
+  }
+  const double rim = std::sqrt(ball.radius_m * ball.radius_m - ball.foot_m * ball.foot_m);
+  const Vector3d across = offset - height * ball.up_W;
+  const double off = across.norm();
+  if (off <= rim || off == 0.0) return {ball.foot_m - height, -ball.up_W};
+  const Vector3d from_rim = offset - ball.foot_m * ball.up_W - across * (rim / off);
+  const double length = from_rim.norm();
+  return {length, length > 0.0 ? Vector3d(from_rim / length) : -ball.up_W};
 }
 
 /// Across the axis: (left, up) against a ring between two radii, or a sector of it.
@@ -195,10 +208,21 @@ Eigen::AlignedBox3d BoxOf(const Stub& stub) {
   return Around(stub.X_WS, {stub.start_m, -r, -r}, {stub.end_m, r, r});
 }
 
+void Move(Bed& bed, const Vector3d& by_W) { bed.axis.X_WS.pretranslate(by_W); }
+void Move(Ball& ball, const Vector3d& by_W) { ball.p_WB += by_W; }
+void Move(Ridge& ridge, const Vector3d& by_W) { ridge.axis.X_WS.pretranslate(by_W); }
+void Move(Block& block, const Vector3d& by_W) { block.X_WB.pretranslate(by_W); }
+void Move(Stub& stub, const Vector3d& by_W) { stub.X_WS.pretranslate(by_W); }
+
 }  // namespace
 
 Wall SurfaceOf(const SolidPrimitive& solid, const Vector3d& p_W) {
   return std::visit([&](const auto& shape) { return SurfaceOf(shape, p_W); }, solid.shape);
+}
+
+SolidPrimitive Moved(SolidPrimitive solid, const Vector3d& by_W) {
+  std::visit([&](auto& shape) { Move(shape, by_W); }, solid.shape);
+  return solid;
 }
 
 Eigen::AlignedBox3d BoundingBox(const SolidPrimitive& solid) {

@@ -19,10 +19,12 @@ struct Bed {
   double half_width_m{};
 };
 
-/// A stone: the wall hides the rest of the ball.
+/// A stone: a ball, cut off inside the wall.
 struct Ball {
   Eigen::Vector3d p_WB{Eigen::Vector3d::Zero()};
   double radius_m{};
+  Eigen::Vector3d up_W{Eigen::Vector3d::UnitZ()};  ///< away from the wall, unit
+  double foot_m{};                                 ///< height of the cut above its middle, < radius
 };
 
 /// Mortar across the wall: a ring or a part of one, with square faces.
@@ -61,6 +63,9 @@ struct SolidPrimitive {
 /// Signed distance to the surface, positive outside the solid, and the way out. Exact along a
 /// straight axis; round a bend, lengths along it are taken as at the point.
 [[nodiscard]] Wall SurfaceOf(const SolidPrimitive& solid, const Eigen::Vector3d& p_W);
+
+/// The same solid elsewhere.
+[[nodiscard]] SolidPrimitive Moved(SolidPrimitive solid, const Eigen::Vector3d& by_W);
 
 /// Corners of an axis-aligned box around the solid.
 [[nodiscard]] Eigen::AlignedBox3d BoundingBox(const SolidPrimitive& solid);

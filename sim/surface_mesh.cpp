@@ -10,6 +10,8 @@
 #include <stdexcept>
 #include <unordered_map>
 
+#include "sim/polyhedron.hpp"
+
 namespace kantaro::sim {
 namespace {
 
@@ -17,158 +19,33 @@ using Eigen::AlignedBox3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Polygon = std::vector<Vector3d>;  // convex, planar, counter-clockwise seen from the void
-constexpr double kPi = std::numbers::pi;
 
 // Facets and planes closer than this coincide.
 constexpr double kTie = 2e-6;
-// Facing caps closer than this have no wall between them.
-constexpr double kMembrane = 1e-5;
 // How far facets reach into each other at an edge, so that rounding opens no crack.
 constexpr double kSeal = 2e-5;
 // Cosine of the angle below which a facet and a plane count as parallel: less than a facet's turn.
-const double kParallel = std::cos(kPi / 180.0);
+const double kParallel = std::cos(std::numbers::pi / 180.0);
 // Points closer than this are one.
 constexpr double kWeld = 1e-7;
 // A cut that takes less is not worth making.
 constexpr double kLeastArea = 1e-10;
 
-struct Plane {
-  Vector3d normal;  // into the void
-  double offset{};
-  bool internal{};  // between two slabs of one primitive: no wall
-
-  [[nodiscard]] double Distance(const Vector3d& p) const { return normal.dot(p) - offset; }
-};
-
-Plane PlaneThrough(const Vector3d& p, const Vector3d& normal) {
-  return {normal.normalized(), normal.normalized().dot(p), false};
-}
-
-// A convex piece of a primitive's polyhedron.
-struct Slab {
-  std::vector<Plane> planes;
-  AlignedBox3d box;
-};
-
-enum class Group : std::uint8_t { kSide, kTop, kStart, kEnd };
-
-// A primitive's polyhedron: profile polygons at stations along the axis, joined by flat facets.
-struct Solid {
-  std::size_t around{};          // corners of the profile, clockwise looking along the axis
-  std::size_t stations{};        // at least 2
-  std::vector<Vector3d> points;  // station by station
-  std::vector<Group> groups;     // of the facet behind each corner
-  std::vector<double> angles;    // of the middle of that facet, from the crown
-  std::vector<Slab> slabs;
-  AlignedBox3d box;
-
-  [[nodiscard]] std::size_t Index(std::size_t station, std::size_t corner) const {
-    return station * around + corner % around;
-  }
-  [[nodiscard]] const Vector3d& Point(std::size_t station, std::size_t corner) const {
-    return points[Index(station, corner)];
-  }
-};
-
 void Check(const VoidPrimitive& primitive, std::size_t index) {
   const double turn = primitive.length_m * std::abs(primitive.curvature);
-  const bool sound = primitive.length_m > 0.0 && primitive.radius_m > 0.0 &&
-                     std::isfinite(primitive.length_m) && std::isfinite(primitive.radius_m) &&
-                     std::abs(primitive.curvature) * primitive.radius_m < 1.0 && turn < 2.0 * kPi &&
-                     primitive.X_WS.matrix().allFinite() &&
-                     (primitive.profile == Profile::kRound ||
-                      (primitive.wall_height_m >= 0.0 && std::isfinite(primitive.wall_height_m)));
+  const bool sound =
+      primitive.length_m > 0.0 && primitive.radius_m > 0.0 && std::isfinite(primitive.length_m) &&
+      std::isfinite(primitive.radius_m) &&
+      std::abs(primitive.curvature) * primitive.radius_m < 1.0 &&
+      turn < 2.0 * std::numbers::pi && primitive.X_WS.matrix().allFinite() &&
+      (primitive.profile == Profile::kRound || (primitive.wall_height_m > -primitive.radius_m &&
+                                                std::isfinite(primitive.wall_height_m)));
   if (!sound) {
     throw std::invalid_argument(fmt::format(
         "primitive {} cannot be tessellated: length {} m, radius {} m, curvature {} 1/m, wall {} m",
         index, primitive.length_m, primitive.radius_m, primitive.curvature,
         primitive.wall_height_m));
   }
-}
-
-// Of a full circle, a multiple of 4: so a kU's lower half has the same corners.
-std::size_t SegmentsAround(double radius_m, double tolerance_m) {
-  const double half = std::atan(std::sqrt(0.5 * tolerance_m / radius_m));
-  return 4 * std::max<std::size_t>(2, static_cast<std::size_t>(std::ceil(kPi / (8.0 * half))));
-}
-
-std::size_t CellsAlong(const VoidPrimitive& primitive, const TessellationOptions& options) {
-  double step = options.max_cell_m;
-  if (primitive.curvature != 0.0) {
-    const double outer = 1.0 / std::abs(primitive.curvature) + primitive.radius_m;
-    const double turn = 2.0 * std::acos(std::max(0.5, 1.0 - 0.5 * options.tolerance_m / outer));
-    step = std::min(step, turn / std::abs(primitive.curvature));
-  }
-  return static_cast<std::size_t>(std::max(1.0, std::ceil(primitive.length_m / step - 1e-9)));
-}
-
-// Corners (left, up), with the facets behind them. The polygon runs half inside and half outside
-// the circle: facets deviate by half the sagitta, and wall areas are true.
-std::vector<Vector2d> ProfileCorners(const VoidPrimitive& primitive, double tolerance_m,
-                                     Solid& solid) {
-  const std::size_t n = SegmentsAround(primitive.radius_m, tolerance_m);
-  const double step = 2.0 * kPi / static_cast<double>(n);
-  const double radius = primitive.radius_m * 2.0 / (1.0 + std::cos(0.5 * step));
-  const bool round = primitive.profile == Profile::kRound;
-  std::vector<Vector2d> corners;
-  const auto add = [&](const Vector2d& corner, Group group, double angle) {
-    corners.push_back(corner);
-    solid.groups.push_back(group);
-    solid.angles.push_back(angle);
-  };
-  const bool walls = !round && primitive.wall_height_m > kMembrane;
-  if (walls) add({-radius, primitive.wall_height_m}, Group::kSide, 0.5 * kPi);
-  const std::size_t first = round ? 0 : n / 4;
-  const std::size_t last = round ? n - 1 : 3 * n / 4;
-  for (std::size_t i = first; i <= last; ++i) {
-    const double angle = static_cast<double>(i) * step;
-    add({-radius * std::sin(angle), radius * std::cos(angle)}, Group::kSide, angle + 0.5 * step);
-  }
-  if (walls) add({radius, primitive.wall_height_m}, Group::kTop, 0.0);
-  if (!round && !walls) solid.groups.back() = Group::kTop;
-  return corners;
-}
-
-Slab SlabBetween(const Solid& solid, std::size_t first, std::size_t last, const Vector3d& start,
-                 const Vector3d& end) {
-  Slab slab;
-  for (std::size_t j = 0; j < solid.around; ++j) {
-    const Vector3d& p = solid.Point(first, j);
-    slab.planes.push_back(
-        PlaneThrough(p, (solid.Point(last, j) - p).cross(solid.Point(first, j + 1) - p)));
-    slab.box.extend(p);
-    slab.box.extend(solid.Point(last, j));
-  }
-  slab.planes.push_back(PlaneThrough(solid.Point(first, 0), start));
-  slab.planes.back().internal = first > 0;
-  slab.planes.push_back(PlaneThrough(solid.Point(last, 0), end));
-  slab.planes.back().internal = last + 1 < solid.stations;
-  slab.box.min().array() -= kMembrane;
-  slab.box.max().array() += kMembrane;
-  return slab;
-}
-
-Solid MakeSolid(const VoidPrimitive& primitive, const TessellationOptions& options) {
-  Solid solid;
-  const std::vector<Vector2d> corners = ProfileCorners(primitive, options.tolerance_m, solid);
-  const std::size_t cells = CellsAlong(primitive, options);
-  solid.around = corners.size();
-  solid.stations = cells + 1;
-  std::vector<Vector3d> forward;
-  for (std::size_t i = 0; i <= cells; ++i) {
-    const double share = static_cast<double>(i) / static_cast<double>(cells);
-    const Eigen::Isometry3d X_WA = AxisPose(primitive, primitive.length_m * share);
-    forward.emplace_back(X_WA.linear().col(0));
-    for (const Vector2d& corner : corners) {
-      solid.points.emplace_back(X_WA * Vector3d(0.0, corner.x(), corner.y()));
-    }
-  }
-  const std::size_t step = primitive.curvature == 0.0 ? cells : 1;
-  for (std::size_t i = 0; i < cells; i += step) {
-    solid.slabs.push_back(SlabBetween(solid, i, i + step, forward[i], -forward[i + step]));
-    solid.box.extend(solid.slabs.back().box);
-  }
-  return solid;
 }
 
 // Twice the area vector of a planar polygon.
@@ -204,22 +81,47 @@ struct Cut {
   double at{};
 };
 
-// Where a slab's plane cuts a facet (see Tessellate), and the distance above which it leaves it
-// whole.
-std::pair<double, double> CutAndSlack(const Plane& plane, const Vector3d& normal, bool earlier) {
-  if (plane.internal) return {-kSeal, -kSeal};
+// What a slab does to a facet.
+enum class Effect : std::uint8_t {
+  kOpens,          // it is void: a void's wall in it is gone. Of walls that coincide, one stays
+  kOpensLater,     // the same, for a slab whose primitive comes after the facet's
+  kFills,          // it is solid: a void's wall in it is hidden, one that it is flush with stays
+  kSwallows,       // it is solid, and so is the facet's body: what faces it is hidden
+  kSwallowsLater,  // the same, for a slab whose primitive comes after the facet's
+  kBares           // it is void: a solid's facet shows in it, if it does more than touch
+};
+
+// Where a slab's plane cuts a facet, and the distance above which it leaves it whole.
+std::pair<double, double> CutAndSlack(const Plane& plane, const Vector3d& normal, Effect effect) {
+  const auto at = [](double distance) { return std::pair(distance, distance); };
+  if (plane.internal) return at(-kSeal);
   const double cosine = plane.normal.dot(normal);
-  if (cosine > kParallel) return earlier ? std::pair(-kTie, -kTie) : std::pair(kTie, kTie);
-  if (cosine < -kParallel) return {-kMembrane, -kMembrane};
-  return {kSeal, -kTie};
+  const bool same = cosine > kParallel;
+  if (!same && cosine >= -kParallel)
+    return effect == Effect::kBares ? at(-kSeal) : std::pair(kSeal, -kTie);
+  switch (effect) {
+    case Effect::kOpens:
+      return at(same ? -kTie : -kMembrane_m);
+    case Effect::kOpensLater:
+      return at(same ? kTie : -kMembrane_m);
+    case Effect::kFills:
+      return at(same ? -kTie : kTie);
+    case Effect::kSwallows:
+      return at(same ? -kMembrane_m : -kTie);
+    case Effect::kSwallowsLater:
+      return at(same ? -kMembrane_m : kTie);
+    case Effect::kBares:
+      break;
+  }
+  return at(kTie);
 }
 
-// Appends what of the polygon lies outside the slab. `earlier`: the slab's primitive comes first.
-void Subtract(const Polygon& polygon, const Vector3d& normal, const Slab& slab, bool earlier,
-              std::vector<Polygon>& pieces) {
+// Splits a polygon: appends what of it lies outside the slab to `outside`, and returns the rest.
+Polygon Split(const Polygon& polygon, const Vector3d& normal, const Slab& slab, Effect effect,
+              std::vector<Polygon>& outside) {
   std::vector<Cut> cuts;
   for (const Plane& plane : slab.planes) {
-    const auto [cut, slack] = CutAndSlack(plane, normal, earlier);
+    const auto [cut, slack] = CutAndSlack(plane, normal, effect);
     double lowest = std::numeric_limits<double>::infinity();
     double highest = -lowest;
     for (const Vector3d& p : polygon) {
@@ -229,8 +131,8 @@ void Subtract(const Polygon& polygon, const Vector3d& normal, const Slab& slab, 
     }
     if (lowest >= slack) continue;
     if (highest <= cut) {
-      pieces.push_back(polygon);
-      return;
+      outside.push_back(polygon);
+      return {};
     }
     if (lowest < cut) cuts.push_back({&plane, cut});
   }
@@ -240,10 +142,10 @@ void Subtract(const Polygon& polygon, const Vector3d& normal, const Slab& slab, 
     if (inside.size() < 3) break;
   }
   if (inside.size() < 3 || 0.5 * AreaVector(inside).norm() < kLeastArea) {
-    pieces.push_back(polygon);
-    return;
+    outside.push_back(polygon);
+    return {};
   }
-  // Only planes that bound what is taken away may cut, lest the rest falls to splinters.
+  // Only planes that bound the inside may cut, lest the rest falls to splinters.
   Polygon rest = polygon;
   for (const Cut& cut : cuts) {
     const auto on_plane = [&](const Vector3d& p) {
@@ -251,9 +153,10 @@ void Subtract(const Polygon& polygon, const Vector3d& normal, const Slab& slab, 
     };
     if (std::count_if(inside.begin(), inside.end(), on_plane) < 2) continue;
     Polygon piece = Clip(rest, *cut.plane, cut.at, -1.0);
-    if (piece.size() >= 3) pieces.push_back(std::move(piece));
+    if (piece.size() >= 3) outside.push_back(std::move(piece));
     rest = Clip(rest, *cut.plane, cut.at, 1.0);
   }
+  return inside;
 }
 
 // Points of one primitive, each place once.
@@ -304,14 +207,10 @@ class PointSet {
 
 using Loop = std::vector<std::uint32_t>;  // a polygon's points
 
-// One facet before and after trimming.
+// A facet, and what is left of it.
 struct Cell {
-  Group group{};
-  double angle{};  // of its middle from the crown, for the seam
-  Loop corners;
-  std::vector<std::size_t>
-      edges;                // numbers of the edges behind the corners, shared with neighbours
-  std::vector<Loop> loops;  // what is left
+  const Facet* facet{};
+  std::vector<Loop> loops;
   bool whole{true};
 };
 
@@ -353,82 +252,64 @@ void Triangulate(const PointSet& points, Loop loop,
   if (loop.size() == 3) triangles.push_back({loop[0], loop[1], loop[2]});
 }
 
-// Trims one primitive's facets and appends them to the mesh.
+// Trims one body's facets and appends them to the mesh.
 class Trimmer {
  public:
-  struct Obstacle {
+  struct Cutter {
     const Slab* slab{};
-    bool earlier{};
+    Effect effect{};
   };
 
-  // Primitive and solid stand in a frame O of W's axes.
-  Trimmer(const VoidPrimitive& primitive, const Solid& solid, const Vector3d& p_WO,
-          std::vector<Obstacle> obstacles)
-      : primitive_(primitive),
-        solid_(solid),
-        p_WO_(p_WO),
-        obstacles_(std::move(obstacles)),
-        points_(solid.points) {}
+  // The body stands in a frame O of W's axes.
+  Trimmer(const Polyhedron& body, const Vector3d& p_WO, std::vector<Cutter> cutters)
+      : body_(body), p_WO_(p_WO), cutters_(std::move(cutters)), points_(body.points) {}
 
   void Run(std::uint32_t owner, SurfaceMesh& mesh) {
-    std::vector<Cell> cells = Facets();
+    std::vector<Cell> cells;
+    for (const Facet& facet : body_.facets) cells.push_back({&facet, {}, true});
     for (Cell& cell : cells) Trim(cell);
     for (const Cell& cell : cells) Emit(cell, owner, mesh);
   }
 
  private:
-  [[nodiscard]] std::vector<Cell> Facets() const {
-    const std::size_t n = solid_.around;
-    const auto ring_edge = [&](std::size_t i, std::size_t j) { return 2 * solid_.Index(i, j); };
-    const auto axis_edge = [&](std::size_t i, std::size_t j) { return 2 * solid_.Index(i, j) + 1; };
-    const auto point = [&](std::size_t i, std::size_t j) {
-      return static_cast<std::uint32_t>(solid_.Index(i, j));
-    };
-    std::vector<Cell> cells;
-    for (std::size_t i = 0; i + 1 < solid_.stations; ++i) {
-      for (std::size_t j = 0; j < n; ++j) {
-        Cell& cell = cells.emplace_back();
-        cell.group = solid_.groups[j];
-        cell.angle = solid_.angles[j];
-        cell.corners = {point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)};
-        cell.edges = {axis_edge(i, j), ring_edge(i + 1, j), axis_edge(i, j + 1), ring_edge(i, j)};
-      }
-    }
-    const std::size_t end = solid_.stations - 1;
-    Cell start_cap{Group::kStart, 0.0, {}, {}, {}};
-    Cell end_cap{Group::kEnd, 0.0, {}, {}, {}};
-    for (std::size_t j = 0; j < n; ++j) {
-      start_cap.corners.push_back(point(0, j));
-      start_cap.edges.push_back(ring_edge(0, j));
-      end_cap.corners.push_back(point(end, n - j));
-      end_cap.edges.push_back(ring_edge(end, n - j - 1));
-    }
-    cells.push_back(std::move(start_cap));
-    cells.push_back(std::move(end_cap));
-    return cells;
-  }
-
   void Trim(Cell& cell) {
     Polygon facet;
     AlignedBox3d box;
-    for (const std::uint32_t corner : cell.corners) {
+    for (const std::uint32_t corner : cell.facet->corners) {
       facet.push_back(points_[corner]);
       box.extend(facet.back());
     }
     const Vector3d normal = AreaVector(facet).normalized();
+    // A void's facets show from the first, a solid's once a void bares them.
+    const bool bared = std::any_of(cutters_.begin(), cutters_.end(), [](const Cutter& cutter) {
+      return cutter.effect == Effect::kBares;
+    });
     std::vector<Polygon> pieces{facet};
     std::vector<Polygon> next;
-    for (const Obstacle& obstacle : obstacles_) {
-      if (pieces.empty() || !obstacle.slab->box.intersects(box)) continue;
-      next.clear();
-      for (const Polygon& piece : pieces) {
-        Subtract(piece, normal, *obstacle.slab, obstacle.earlier, next);
+    if (bared) {
+      std::vector<Polygon> shown;
+      for (const Cutter& cutter : cutters_) {
+        if (cutter.effect != Effect::kBares || !cutter.slab->box.intersects(box)) continue;
+        next.clear();
+        for (const Polygon& piece : pieces) {
+          Polygon inside = Split(piece, normal, *cutter.slab, cutter.effect, next);
+          if (inside.size() >= 3) shown.push_back(std::move(inside));
+        }
+        std::swap(pieces, next);
       }
+      pieces = std::move(shown);
+    }
+    for (const Cutter& cutter : cutters_) {
+      if (pieces.empty()) break;
+      if (cutter.effect == Effect::kBares || !cutter.slab->box.intersects(box)) continue;
+      next.clear();
+      for (const Polygon& piece : pieces)
+        (void)Split(piece, normal, *cutter.slab, cutter.effect, next);
       std::swap(pieces, next);
     }
     cell.whole = pieces.size() == 1 && pieces[0] == facet;
     if (cell.whole) {
-      cell.loops.push_back(cell.corners);
+      cell.loops.push_back(cell.facet->corners);
       return;
     }
     for (const Polygon& piece : pieces) AddLoop(piece, cell);
@@ -448,12 +329,12 @@ class Trimmer {
 
   // Tells the neighbours of a new point on a shared edge.
   void NoteOnEdges(std::uint32_t index, const Cell& cell) {
-    if (index < solid_.points.size()) return;
-    for (std::size_t i = 0; i < cell.corners.size(); ++i) {
-      const Vector3d& a = points_[cell.corners[i]];
-      const Vector3d& b = points_[cell.corners[(i + 1) % cell.corners.size()]];
+    if (index < body_.points.size()) return;
+    for (std::size_t i = 0; i < cell.facet->corners.size(); ++i) {
+      const Vector3d& a = points_[cell.facet->corners[i]];
+      const Vector3d& b = points_[cell.facet->corners[(i + 1) % cell.facet->corners.size()]];
       if (DistanceToSegment(points_[index], a, b) <= kWeld) {
-        on_edge_[cell.edges[i]].push_back(index);
+        on_edge_[cell.facet->edges[i]].push_back(index);
       }
     }
   }
@@ -487,7 +368,7 @@ class Trimmer {
   void Emit(const Cell& cell, std::uint32_t owner, SurfaceMesh& mesh) {
     if (cell.loops.empty()) return;
     Loop candidates;
-    for (const std::size_t edge : cell.edges) {
+    for (const std::size_t edge : cell.facet->edges) {
       const auto found = on_edge_.find(edge);
       if (found != on_edge_.end()) {
         candidates.insert(candidates.end(), found->second.begin(), found->second.end());
@@ -512,61 +393,28 @@ class Trimmer {
   }
 
   std::uint32_t Vertex(std::uint32_t point, const Cell& cell, SurfaceMesh& mesh) {
-    // Points on the crown's seam have two texture coordinates.
-    const std::uint64_t key = std::uint64_t{point} << 3 |
-                              static_cast<std::uint64_t>(cell.group) << 1 |
-                              (cell.angle > kPi ? 1U : 0U);
+    const std::uint64_t key = std::uint64_t{point} << 32 | cell.facet->shade;
     const auto [entry, is_new] =
         vertices_.try_emplace(key, static_cast<std::uint32_t>(mesh.positions.size()));
-    if (is_new) AddVertex(points_[point], cell, mesh);
+    if (is_new) {
+      const VertexLook look = body_.look(points_[point], *cell.facet);
+      mesh.positions.emplace_back(p_WO_ + points_[point]);
+      mesh.normals.emplace_back(look.normal.cast<float>());
+      mesh.surface_m.emplace_back(look.surface_m.cast<float>());
+    }
     return entry->second;
   }
 
-  void AddVertex(const Vector3d& p_O, const Cell& cell, SurfaceMesh& mesh) const {
-    const SweepPoint s = ToSweep(primitive_, p_O);
-    const Eigen::Matrix3d R_WA = AxisPose(primitive_, s.along_m).linear();
-    const double along = std::clamp(s.along_m, 0.0, primitive_.length_m);
-    const double radius = primitive_.radius_m;
-    Vector3d normal_A;
-    Vector2d coordinates(primitive_.start_chainage_m + along, s.left_m);
-    switch (cell.group) {
-      case Group::kStart:
-      case Group::kEnd:
-        normal_A = cell.group == Group::kStart ? Vector3d::UnitX() : Vector3d(-Vector3d::UnitX());
-        coordinates.x() += s.up_m;
-        break;
-      case Group::kTop:
-        normal_A = -Vector3d::UnitZ();
-        break;
-      case Group::kSide:
-        if (primitive_.profile == Profile::kU && s.up_m > 0.0) {
-          normal_A = {0.0, s.left_m > 0.0 ? -1.0 : 1.0, 0.0};
-          coordinates.y() =
-              radius * kPi + (s.left_m > 0.0 ? 1.0 : -1.0) * (0.5 * kPi * radius + s.up_m);
-        } else {
-          normal_A = Vector3d(0.0, -s.left_m, -s.up_m).normalized();
-          double angle = std::atan2(-s.left_m, s.up_m);
-          angle += 2.0 * kPi * std::round((cell.angle - angle) / (2.0 * kPi));
-          coordinates.y() = radius * angle;
-        }
-        break;
-    }
-    mesh.positions.emplace_back(p_WO_ + p_O);
-    mesh.normals.emplace_back((R_WA * normal_A).cast<float>());
-    mesh.surface_m.emplace_back(coordinates.cast<float>());
-  }
-
-  const VoidPrimitive& primitive_;
-  const Solid& solid_;
+  const Polyhedron& body_;
   const Vector3d p_WO_;
-  std::vector<Obstacle> obstacles_;
+  std::vector<Cutter> cutters_;
   PointSet points_;
   std::unordered_map<std::size_t, Loop> on_edge_;              // looked up only
   std::unordered_map<std::uint64_t, std::uint32_t> vertices_;  // looked up only
 };
 
-// For each solid the others whose boxes meet its own, in order.
-std::vector<std::vector<std::uint32_t>> Neighbours(const std::vector<Solid>& solids) {
+// For each body the others whose boxes meet its own, in order.
+std::vector<std::vector<std::uint32_t>> Neighbours(const std::vector<Polyhedron>& solids) {
   std::vector<std::uint32_t> order(solids.size());
   std::iota(order.begin(), order.end(), 0U);
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -587,6 +435,17 @@ std::vector<std::vector<std::uint32_t>> Neighbours(const std::vector<Solid>& sol
   return neighbours;
 }
 
+// What a body does to another's facets; solids are numbered after the voids.
+Effect EffectOf(std::uint32_t body, std::uint32_t facets, std::uint32_t first_solid) {
+  const bool earlier = body < facets;
+  if (body < first_solid) {
+    if (facets >= first_solid) return Effect::kBares;
+    return earlier ? Effect::kOpens : Effect::kOpensLater;
+  }
+  if (facets < first_solid) return Effect::kFills;
+  return earlier ? Effect::kSwallows : Effect::kSwallowsLater;
+}
+
 // A point near the first primitive; whole kilometres subtract without rounding.
 Vector3d Origin(std::span<const VoidPrimitive> primitives) {
   if (primitives.empty()) return Vector3d::Zero();
@@ -595,30 +454,40 @@ Vector3d Origin(std::span<const VoidPrimitive> primitives) {
 
 }  // namespace
 
-SurfaceMesh Tessellate(std::span<const VoidPrimitive> primitives,
+SurfaceMesh Tessellate(std::span<const VoidPrimitive> voids, const TessellationOptions& options) {
+  return Tessellate(voids, {}, options);
+}
+
+SurfaceMesh Tessellate(std::span<const VoidPrimitive> voids, std::span<const SolidPrimitive> solids,
                        const TessellationOptions& options) {
   if (!(options.tolerance_m > 0.0) || !(options.max_cell_m > 0.0)) {
     throw std::invalid_argument("tessellation tolerance and cell length must be above 0");
   }
-  for (std::size_t i = 0; i < primitives.size(); ++i) Check(primitives[i], i);
+  for (std::size_t i = 0; i < voids.size(); ++i) Check(voids[i], i);
   // Near the origin, so that a map's coordinates of hundreds of kilometres cost no precision.
-  const Vector3d p_WO = Origin(primitives);
-  std::vector<VoidPrimitive> local(primitives.begin(), primitives.end());
-  std::vector<Solid> solids;
-  for (VoidPrimitive& primitive : local) {
+  const Vector3d p_WO = Origin(voids);
+  std::vector<Polyhedron> bodies;
+  for (VoidPrimitive primitive : voids) {
     primitive.X_WS.translation() -= p_WO;
-    solids.push_back(MakeSolid(primitive, options));
+    bodies.push_back(PolyhedronOf(primitive, options.tolerance_m, options.max_cell_m));
   }
-  const std::vector<std::vector<std::uint32_t>> neighbours = Neighbours(solids);
+  for (const SolidPrimitive& solid : solids) {
+    bodies.push_back(PolyhedronOf(Moved(solid, -p_WO), options.tolerance_m, options.max_cell_m));
+  }
+  const std::vector<std::vector<std::uint32_t>> neighbours = Neighbours(bodies);
   SurfaceMesh mesh;
-  for (std::uint32_t i = 0; i < solids.size(); ++i) {
-    std::vector<Trimmer::Obstacle> obstacles;
+  for (std::uint32_t i = 0; i < bodies.size(); ++i) {
+    std::vector<Trimmer::Cutter> cutters;
     for (const std::uint32_t other : neighbours[i]) {
-      for (const Slab& slab : solids[other].slabs) {
-        if (slab.box.intersects(solids[i].box)) obstacles.push_back({&slab, other < i});
+      const Effect effect = EffectOf(other, i, static_cast<std::uint32_t>(voids.size()));
+      for (const Slab& slab : bodies[other].slabs) {
+        if (slab.box.intersects(bodies[i].box)) cutters.push_back({&slab, effect});
       }
     }
-    Trimmer(local[i], solids[i], p_WO, std::move(obstacles)).Run(i, mesh);
+    // A solid that meets no void is nowhere seen.
+    const auto bares = [](const Trimmer::Cutter& c) { return c.effect == Effect::kBares; };
+    if (i >= voids.size() && std::none_of(cutters.begin(), cutters.end(), bares)) continue;
+    Trimmer(bodies[i], p_WO, std::move(cutters)).Run(i, mesh);
   }
   return mesh;
 }

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "sim/solid_primitive.hpp"
 #include "sim/void_primitive.hpp"
 
 namespace kantaro::sim {
@@ -20,7 +21,7 @@ struct SurfaceMesh {
   /// of the axis). Under a kU's top: (chainage, distance left of the axis).
   std::vector<Eigen::Vector2f> surface_m;
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<std::uint32_t> owner;  ///< of each triangle: index of its primitive, ascending
+  std::vector<std::uint32_t> owner;  ///< of each triangle: its primitive's number, ascending
 };
 
 /// How finely the wall is cut into flat facets.
@@ -29,14 +30,18 @@ struct TessellationOptions {
   double max_cell_m{1.0};      ///< longest facet along an axis, > 0
 };
 
-/// The boundary of the union of the primitives. Each primitive becomes a polyhedron (its facets are
-/// planar, round the bend too), and of each facet what lies inside another polyhedron is cut away.
-/// So both sides of a mouth meet in the same line; they overlap there by 0.02 mm, lest a ray slip
-/// between. Where surfaces coincide the earlier primitive's stays; end caps that lean on each other
-/// vanish. Vertices are shared within a primitive, and no vertex lies inside a neighbour's edge
-/// there.
+/// The boundary of what is free: in some void and in no solid. Each primitive becomes a polyhedron
+/// (its facets are planar, round the bend too). Of a void's facet what lies inside another void or
+/// a solid is cut away; of a solid's what lies in no void or in another solid. So both sides of a
+/// mouth meet in the same line; they overlap there by 0.02 mm, lest a ray slip between. Where
+/// surfaces coincide the earlier primitive's stays; end caps that lean on each other vanish.
+/// Vertices are shared within a primitive, and no vertex lies inside a neighbour's edge there.
+/// Owners are numbered voids first, then solids.
 /// @throws std::invalid_argument if an option or a primitive's size makes no sense
-[[nodiscard]] SurfaceMesh Tessellate(std::span<const VoidPrimitive> primitives,
+[[nodiscard]] SurfaceMesh Tessellate(std::span<const VoidPrimitive> voids,
+                                     std::span<const SolidPrimitive> solids,
+                                     const TessellationOptions& options = {});
+[[nodiscard]] SurfaceMesh Tessellate(std::span<const VoidPrimitive> voids,
                                      const TessellationOptions& options = {});
 
 /// The triangles of the primitives first_owner, …, end_owner − 1, with their vertices only.

@@ -41,7 +41,7 @@ std::int64_t StepsPer(double rate_Hz, const char* sensor) {
 World BuildWorld(const network::Network& network, std::uint64_t texture_seed, bool cameras) {
   World world;
   const auto sewer = std::make_shared<const Sewer>(BuildSewer(network));
-  const SurfaceMesh mesh = Tessellate(sewer->voids);
+  const SurfaceMesh mesh = Tessellate(sewer->voids, sewer->solids);
   world.field = std::make_shared<const VoidField>(sewer->voids, sewer->solids);
   world.rays = std::make_shared<const RayCaster>(mesh);
   if (cameras) {

@@ -31,7 +31,7 @@ const Sewer& TestField() {
 }
 
 const SurfaceMesh& Wall() {
-  static const SurfaceMesh mesh = Tessellate(TestField().voids);
+  static const SurfaceMesh mesh = Tessellate(TestField().voids, TestField().solids);
   return mesh;
 }
 

@@ -36,7 +36,7 @@ class Agreement : public testing::Test {
   Sewer sewer_ =
       BuildSewer(network::ReadNetwork(KANTARO_SOURCE_DIR "/models/networks/test_field.yaml"));
   VoidField field_{sewer_.voids, sewer_.solids};
-  SurfaceMesh mesh_ = Tessellate(sewer_.voids);
+  SurfaceMesh mesh_ = Tessellate(sewer_.voids, sewer_.solids);
   RayCaster rays_{mesh_};
   Renderer renderer_{std::make_shared<const Scenery>(sewer_, mesh_)};
 

@@ -41,7 +41,7 @@ Sewer StraightPipe(const std::vector<network::Fault>& faults,
 }
 
 std::shared_ptr<const Scenery> SceneryOf(const Sewer& sewer, std::uint64_t seed = 1) {
-  return std::make_shared<Scenery>(sewer, Tessellate(sewer.voids), SceneryOptions{.seed = seed});
+  return std::make_shared<Scenery>(sewer, Tessellate(sewer.voids, sewer.solids), SceneryOptions{.seed = seed});
 }
 
 /// Textures take a second to make: tests share one pipe.
@@ -295,7 +295,7 @@ TEST(Render, RefusesWhatItCannotDraw) {
 }
 
 TEST(Scenery, RefusesTheMeshOfAnotherSewer) {
-  SurfaceMesh mesh = Tessellate(Plain().sewer.voids);
+  SurfaceMesh mesh = Tessellate(Plain().sewer.voids, Plain().sewer.solids);
   mesh.owner.back() = 1000;
   EXPECT_THROW(Scenery(Plain().sewer, mesh), std::invalid_argument);
 }
