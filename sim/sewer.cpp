@@ -127,6 +127,11 @@ double OverlapOf(const Stretch& before, const Stretch& after, double radius_m) {
   return kOverlap_m + radius_m * std::tan(0.5 * std::asin(std::min(sine, 1.0)));
 }
 
+/// No wider than the bend's inside allows.
+double WithinBend(const SweptAxis& axis, double radius_m) {
+  return std::min(radius_m, 0.98 / std::max(std::abs(axis.curvature), 1e-9));
+}
+
 /// What of a convex outline lies where normal · p <= limit.
 std::vector<Vector2d> Clipped(const std::vector<Vector2d>& outline, const Vector2d& normal,
                               double limit) {
@@ -155,7 +160,8 @@ Bed BedOn(const SweptAxis& axis, double radius_m, double height_m, double from_m
   bed.corners = outline.size();
   std::copy(outline.begin(), outline.end(), bed.outline.begin());
   const double above = std::min(0.0, top);
-  bed.half_width_m = std::sqrt(radius_m * radius_m - above * above) + 0.4 * kRoot_m;
+  bed.half_width_m = WithinBend(
+      axis, std::sqrt(radius_m * radius_m - above * above) + 0.4 * kRoot_m);
   return bed;
 }
 
@@ -187,7 +193,7 @@ class Builder {
         Stretches(sewer_.axes[pipe], sewer_.network.pipes[pipe], from_m, to_m);
     for (std::size_t i = 0; i < stretches.size(); ++i) {
       const Stretch& stretch = stretches[i];
-      const double radius = stretch.radius_m + depth_m;
+      const double radius = WithinBend(stretch.Axis(0.0, 0.0), stretch.radius_m + depth_m);
       double start = stretch.start_m;
       double end = stretch.end_m;
       // Over seams they reach into each other; at a step only the narrow one into the wide one.
@@ -346,8 +352,8 @@ class Builder {
       } else {
         Ridge ridge;
         ridge.axis = axis;
-        ridge.inner_radius_m = stretch.radius_m - obstacle.height_m;
-        ridge.outer_radius_m = stretch.radius_m + kRoot_m;
+        ridge.inner_radius_m = std::max(stretch.radius_m - obstacle.height_m, 0.001);
+        ridge.outer_radius_m = WithinBend(axis, stretch.radius_m + kRoot_m);
         ridge.middle_rad = obstacle.clock_h * std::numbers::pi / 6.0;
         ridge.half_arc_rad =
             obstacle.width_m > 0.0
