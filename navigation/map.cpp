@@ -11,7 +11,6 @@
 namespace kantaro::navigation {
 namespace {
 
-using Eigen::Vector2d;
 using network::Manhole;
 using network::Network;
 using network::Pipe;
@@ -55,9 +54,8 @@ MapLeg MakeLeg(const Network& network, const network::RouteLeg& route_leg, doubl
 
 void PlanTurn(const Network& network, MapLeg& leg, const MapLeg& next) {
   const Manhole& manhole = network.ManholeNamed(leg.end_manhole);
-  const Vector2d in = -network::DirectionFrom(network, network.PipeNamed(leg.pipe), manhole);
-  const Vector2d out = network::DirectionFrom(network, network.PipeNamed(next.pipe), manhole);
-  const double turn = std::atan2(in.x() * out.y() - in.y() * out.x(), in.dot(out));
+  const double turn = network::TurnInto(network, manhole, network.PipeNamed(leg.pipe),
+                                        network.PipeNamed(next.pipe));
   if (std::abs(turn) < kStraightOn_rad) return;
   leg.turn_rad = turn;
   const double wanted =
@@ -79,17 +77,15 @@ MapRoute MakeRoute(const Network& network, const std::vector<std::string>& manho
                    const std::map<std::string, double>& length_factor) {
   if (manholes.size() < 2) throw std::invalid_argument("a route needs a start and a goal");
   MapRoute route{manholes.front(), {}};
-  for (std::size_t i = 0; i + 1 < manholes.size(); ++i) {
-    const auto legs = network::ShortestRoute(network, manholes[i], manholes[i + 1]);
-    if (legs.empty()) {
-      throw std::invalid_argument(fmt::format("there is no way for the robot from \"{}\" to \"{}\"",
-                                              manholes[i], manholes[i + 1]));
-    }
-    for (const network::RouteLeg& leg : legs) {
-      const auto factor = length_factor.find(leg.pipe);
-      route.legs.push_back(
-          MakeLeg(network, leg, factor == length_factor.end() ? 1.0 : factor->second));
-    }
+  const auto legs = network::ShortestRoute(network, manholes);
+  if (legs.empty()) {
+    throw std::invalid_argument(
+        fmt::format("there is no way for the robot over {}", fmt::join(manholes, ", ")));
+  }
+  for (const network::RouteLeg& leg : legs) {
+    const auto factor = length_factor.find(leg.pipe);
+    route.legs.push_back(
+        MakeLeg(network, leg, factor == length_factor.end() ? 1.0 : factor->second));
   }
   for (std::size_t i = 0; i + 1 < route.legs.size(); ++i)
     PlanTurn(network, route.legs[i], route.legs[i + 1]);

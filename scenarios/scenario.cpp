@@ -149,23 +149,27 @@ std::set<Sense> ParseBlind(const YamlNode& node) {
   return senses;
 }
 
-/// Empty if there is no way between two of the manholes.
-std::vector<network::RouteLeg> RouteOver(const network::Network& network,
-                                         const std::vector<std::string>& manholes) {
-  std::vector<network::RouteLeg> route;
-  for (std::size_t i = 0; i + 1 < manholes.size(); ++i) {
-    const std::vector<network::RouteLeg> legs =
-        network::ShortestRoute(network, manholes[i], manholes[i + 1]);
-    if (legs.empty()) return {};
-    route.insert(route.end(), legs.begin(), legs.end());
+/// There is no way: is there one but for the turns?
+std::string WhyNoWay(const Scenario& scenario) {
+  const network::Network& network = scenario.network;
+  const auto route = network::ShortestRoute(network, RouteManholes(scenario), network::Turns::kAny);
+  for (std::size_t i = 0; i + 1 < route.size(); ++i) {
+    const network::Manhole& manhole = network.ManholeNamed(EndOf(network, route[i]));
+    const double turn = std::abs(network::TurnInto(
+        network, manhole, network.PipeNamed(route[i].pipe), network.PipeNamed(route[i + 1].pipe)));
+    if (turn <= network::kSharpestTurn_rad) continue;
+    return fmt::format(
+        "the way there turns by {:.0f}° in manhole \"{}\", from pipe \"{}\" into pipe \"{}\": "
+        "KANTARO turns by at most {:.0f}°",
+        turn / kDegree, manhole.name, route[i].pipe, route[i + 1].pipe,
+        network::kSharpestTurn_rad / kDegree);
   }
-  return route;
+  return "no way leads there through pipes that KANTARO can enter";
 }
 
 void CheckRoute(const YamlNode& root, const Scenario& scenario) {
   const std::vector<network::RouteLeg> route = PlannedRoute(scenario);
-  if (route.empty())
-    throw root["goal"].Error("no way leads there through pipes that KANTARO can enter");
+  if (route.empty()) throw root["goal"].Error(WhyNoWay(scenario));
   if (route.front().pipe != scenario.start.pipe) {
     throw root["start"].Error(fmt::format(
         "pipe \"{}\" leads to the same manhole and is shorter: start there", route.front().pipe));
@@ -201,7 +205,7 @@ std::vector<std::string> RouteManholes(const Scenario& scenario) {
 }
 
 std::vector<network::RouteLeg> PlannedRoute(const Scenario& scenario) {
-  return RouteOver(scenario.network, RouteManholes(scenario));
+  return network::ShortestRoute(scenario.network, RouteManholes(scenario));
 }
 
 Scenario AroundItsRoute(const Scenario& scenario) {

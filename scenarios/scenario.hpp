@@ -74,7 +74,7 @@ struct Scenario {
 
 /// Reads a scenario and its network. Paths in the file are relative to it; the network is checked
 /// and must offer a route from the start over `via` to the goal through pipes that KANTARO can
-/// enter.
+/// enter, without a turn that it cannot make.
 /// @throws InputError
 [[nodiscard]] Scenario ReadScenario(const std::filesystem::path& file);
 

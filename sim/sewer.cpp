@@ -25,8 +25,6 @@ constexpr double kOverlap_m = 0.002;
 /// Default centre-line radius of a curved channel, in shaft radii: measured to turn the robot wet
 /// and dry.
 constexpr double kChannelRadiusRatio = 0.66;
-/// Channels are not carved for water (or a robot) to turn back more sharply than this.
-constexpr double kSharpestTurn_rad = 120.0 * std::numbers::pi / 180.0;
 /// A channel's centre line turns no tighter than this, in channel radii.
 constexpr double kTightestChannel = 1.02;
 /// Below this turn a channel is straight.
@@ -425,7 +423,7 @@ class Builder {
     for (std::size_t i = 0; i < directions.size(); ++i) {
       for (std::size_t j = i + 1; j < directions.size(); ++j) {
         const double turn = std::acos(std::clamp(-directions[i].dot(directions[j]), -1.0, 1.0));
-        if (turn > kSharpestTurn_rad) continue;
+        if (turn > network::kSharpestTurn_rad + 1e-9) continue;
         AddChannelBetween(chamber, manhole, -directions[i], directions[j]);
         joined[i] = joined[j] = true;
       }

@@ -188,17 +188,15 @@ TEST(Swmm, AnUndrawnLinkKeepsItsStatedLength) {
 
 // Of these only a number is a height: the others name a transect or a street.
 TEST(Swmm, ShapesOfEveryKindStayInTheMap) {
-  for (const char* shape : {"EGG 1 0 0 0", "HORSESHOE 1 0 0 0", "ARCH 1 1 0 0", "CUSTOM 1 curve",
-                            "RECT_CLOSED 1 2 0 0", "FILLED_CIRCULAR 1 0.2 0 0",
-                            "FORCE_MAIN 1 140 0 0"}) {
-    const Network network =
-        Parse(SmallWith("c2 circular 0.4 0 0 0 1", std::string("c2 ") + shape));
+  for (const char* shape :
+       {"EGG 1 0 0 0", "HORSESHOE 1 0 0 0", "ARCH 1 1 0 0", "CUSTOM 1 curve", "RECT_CLOSED 1 2 0 0",
+        "FILLED_CIRCULAR 1 0.2 0 0", "FORCE_MAIN 1 140 0 0"}) {
+    const Network network = Parse(SmallWith("c2 circular 0.4 0 0 0 1", std::string("c2 ") + shape));
     EXPECT_EQ(network.skipped[0].height_m, 1.0) << shape;
     EXPECT_EQ(network.pipes.size(), 1u) << shape;
   }
   for (const char* shape : {"IRREGULAR river", "STREET high_street", "DUMMY"}) {
-    const Network network =
-        Parse(SmallWith("c2 circular 0.4 0 0 0 1", std::string("c2 ") + shape));
+    const Network network = Parse(SmallWith("c2 circular 0.4 0 0 0 1", std::string("c2 ") + shape));
     EXPECT_EQ(network.skipped[0].height_m, 0.0) << shape;
   }
 }
@@ -248,8 +246,8 @@ TEST(Swmm, TheMapMaySayItsOwnUnit) {
   for (const char* length : {"\"B 1\" 50 0.010", "C 50 0.013"}) {
     const std::size_t at = text.find(length);
     const std::string words = length;
-    text.replace(at, words.size(), words.substr(0, words.find("50")) + "164.04" +
-                                       words.substr(words.find("50") + 2));
+    text.replace(at, words.size(),
+                 words.substr(0, words.find("50")) + "164.04" + words.substr(words.find("50") + 2));
   }
   const Network network = Parse(text);
   EXPECT_EQ(network.ManholeNamed("A").p_WM.x(), -30.0);
@@ -269,10 +267,8 @@ TEST(Swmm, ProjectsDegrees) {
   const double a_m = 6378137.0, e2 = 6.69437999e-3, sine = std::sin(55.0 * std::numbers::pi / 180);
   const double n_m = a_m / std::sqrt(1 - e2 * sine * sine);
   const double m_m = a_m * (1 - e2) / std::pow(1 - e2 * sine * sine, 1.5);
-  const Eigen::Vector3d east =
-      network.ManholeNamed("B 1").p_WM - network.ManholeNamed("A").p_WM;
-  const Eigen::Vector3d north =
-      network.ManholeNamed("C").p_WM - network.ManholeNamed("B 1").p_WM;
+  const Eigen::Vector3d east = network.ManholeNamed("B 1").p_WM - network.ManholeNamed("A").p_WM;
+  const Eigen::Vector3d north = network.ManholeNamed("C").p_WM - network.ManholeNamed("B 1").p_WM;
   EXPECT_NEAR(east.x(), 0.001 * std::numbers::pi / 180 * n_m * std::sqrt(1 - sine * sine), 0.01);
   EXPECT_NEAR(north.y(), 0.0004 * std::numbers::pi / 180 * m_m, 0.01);
   EXPECT_NEAR(east.y(), 0.0, 1e-9);
@@ -344,8 +340,8 @@ TEST(Swmm, ReadsTheLineEndsOfOldMacs) {
 }
 
 TEST(Swmm, NamesMayHoldAnythingPrintable) {
-  for (const std::string name : {"#1", "a:b", "-", "~", "null", "x'y", "{[,]}", "Å ß 管", "a\\b", "*",
-                                 "&a", "1e5", "true", "a;b", "%YAML", "?"}) {
+  for (const std::string name : {"#1", "a:b", "-", "~", "null", "x'y", "{[,]}", "Å ß 管", "a\\b",
+                                 "*", "&a", "1e5", "true", "a;b", "%YAML", "?"}) {
     std::string text = kSmall;
     for (std::size_t at = 0; (at = text.find("B 1", at)) != std::string::npos;) {
       text.replace(at, 3, name);
@@ -413,7 +409,7 @@ TEST(SwmmExample1, IsReadWhole) {
   EXPECT_NEAR(network.ManholeNamed("10").depth_m, 0.9144, 1e-3);
   EXPECT_TRUE(HasRemark(network, "map", "scaled"));
   // By hand from the drawing: 4, 5 and 6 are of 1 ft and lead from 19 over 20 and 21 to 10.
-  const std::vector<RouteLeg> route = ShortestRoute(network, "19", "10");
+  const std::vector<RouteLeg> route = ShortestRoute(network, {"19", "10"});
   ASSERT_EQ(route.size(), 3u);
   EXPECT_EQ(route[0].pipe, "4");
   EXPECT_EQ(route[2].pipe, "6");

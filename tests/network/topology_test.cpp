@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "tests/network/sewers.hpp"
 
@@ -35,7 +37,7 @@ ManholeKind KindOfStar(const std::vector<double>& headings) {
 Network Row() {
   Network network;
   network.manholes = {ManholeAt("A", 0, 0), ManholeAt("B", 10, 0), ManholeAt("C", 20, 0),
-                      ManholeAt("D", 30, 0), ManholeAt("X", 15, 20)};
+                      ManholeAt("D", 30, 0), ManholeAt("X", 15, 5)};
   network.pipes = {PipeFrom("AB", "A", "B"), PipeFrom("BC", "B", "C", 0.5),
                    PipeFrom("DC", "D", "C"), PipeFrom("BX", "B", "X"), PipeFrom("XC", "X", "C")};
   return network;
@@ -49,6 +51,12 @@ TEST(ManholeKind, FollowsFromThePipesThatMeet) {
   EXPECT_EQ(KindOfStar({0, 164}), ManholeKind::kCurve);
   EXPECT_EQ(KindOfStar({0, 90}), ManholeKind::kCurve);
   EXPECT_EQ(KindOfStar({0, 90, 180}), ManholeKind::kTee);
+  EXPECT_EQ(KindOfStar({0, 166, 270}), ManholeKind::kTee);
+  EXPECT_EQ(KindOfStar({61, 180, 0}), ManholeKind::kTee);  // 29° off square
+  EXPECT_EQ(KindOfStar({59, 180, 0}), ManholeKind::kWye);
+  EXPECT_EQ(KindOfStar({0, 135, 180}), ManholeKind::kWye);
+  EXPECT_EQ(KindOfStar({0, 120, 240}), ManholeKind::kWye);
+  EXPECT_EQ(KindOfStar({0, 90, 164}), ManholeKind::kWye);  // no two run straight through
   EXPECT_EQ(KindOfStar({0, 90, 180, 270}), ManholeKind::kCross);
   EXPECT_EQ(KindOfStar({0, 90, 180, 270, 300}), ManholeKind::kOther);
 }
@@ -65,7 +73,7 @@ TEST(DirectionFrom, PointsAlongTheFirstLegFromEitherEnd) {
 }
 
 TEST(ShortestRoute, GoesRoundPipesTheRobotCannotEnter) {
-  const std::vector<RouteLeg> route = ShortestRoute(Row(), "A", "D");
+  const std::vector<RouteLeg> route = ShortestRoute(Row(), {"A", "D"});
   ASSERT_EQ(route.size(), 4u);
   EXPECT_EQ(route[0].pipe, "AB");
   EXPECT_EQ(route[1].pipe, "BX");
@@ -78,17 +86,66 @@ TEST(ShortestRoute, GoesRoundPipesTheRobotCannotEnter) {
 TEST(ShortestRoute, PrefersTheShorterWay) {
   Network network = Row();
   network.pipes[1].diameter_m = 0.3;
-  const std::vector<RouteLeg> route = ShortestRoute(network, "A", "C");
+  const std::vector<RouteLeg> route = ShortestRoute(network, {"A", "C"});
   ASSERT_EQ(route.size(), 2u);
   EXPECT_EQ(route[1].pipe, "BC");
 }
 
+std::vector<std::string> PipesOf(const std::vector<RouteLeg>& route) {
+  std::vector<std::string> pipes;
+  for (const RouteLeg& leg : route) pipes.push_back(leg.pipe);
+  return pipes;
+}
+
+using Pipes = std::vector<std::string>;
+
+TEST(ShortestRoute, PassesManholesInOrder) {
+  EXPECT_EQ(PipesOf(ShortestRoute(Row(), {"A", "X", "X", "C", "D"})),
+            (Pipes{"AB", "BX", "XC", "DC"}));
+  EXPECT_TRUE(ShortestRoute(Row(), {"A", "X", "A"}).empty());  // it cannot turn round in X ...
+  EXPECT_EQ(PipesOf(ShortestRoute(Row(), {"A", "X", "A"}, Turns::kAny)),
+            (Pipes{"AB", "BX", "BX", "AB"}));
+}
+
+// From E0 heading 180° to M; E1 lies 125° off the way, E2 90° off.
+TEST(ShortestRoute, TurnsByNoMoreThan120Degrees) {
+  const Network sharp = Star({0, 55, 90});
+  EXPECT_TRUE(ShortestRoute(sharp, {"E0", "E1"}).empty());
+  EXPECT_EQ(ShortestRoute(sharp, {"E0", "E2"}).size(), 2u);
+  EXPECT_EQ(ShortestRoute(sharp, {"E0", "E1"}, Turns::kAny).size(), 2u);
+  EXPECT_EQ(ShortestRoute(Star({0, 60}), {"E0", "E1"}).size(), 2u);  // 120°
+  EXPECT_EQ(ShortestRoute(Star({0, 60}), {"E1", "E0"}).size(), 2u);
+}
+
+// A triangle hangs at the end of a street: one way round it and back.
+TEST(ShortestRoute, TakesADetourToTurnRound) {
+  Network network;
+  network.manholes = {ManholeAt("A", 0, 0), ManholeAt("B", 10, 0), ManholeAt("C", 20, 10),
+                      ManholeAt("D", 20, -10)};
+  network.pipes = {PipeFrom("AB", "A", "B"), PipeFrom("BC", "B", "C"), PipeFrom("CD", "C", "D"),
+                   PipeFrom("DB", "D", "B")};
+  EXPECT_TRUE(ShortestRoute(network, {"A", "B", "A"}).empty());  // 135° in C and D
+  const double far_m = 10 + 10 * std::sqrt(3.0);                 // equal sides: 120°
+  network.manholes[2].p_WM.x() = network.manholes[3].p_WM.x() = far_m;
+  EXPECT_EQ(ShortestRoute(network, {"A", "B", "A"}).size(), 5u);
+}
+
+TEST(TurnInto, IsPositiveToTheLeft) {
+  const Network network = Star({180, 90, -45});
+  const auto turn = [&](std::size_t to) {
+    return TurnInto(network, network.manholes[0], network.pipes[0], network.pipes[to]) * 180 /
+           std::numbers::pi;
+  };
+  EXPECT_NEAR(turn(1), 90, 1e-9);
+  EXPECT_NEAR(turn(2), -45, 1e-9);
+}
+
 TEST(ShortestRoute, IsEmptyWithoutAWayAndThrowsForStrangers) {
   Network network = Row();
-  EXPECT_TRUE(ShortestRoute(network, "A", "A").empty());
+  EXPECT_TRUE(ShortestRoute(network, {"A", "A"}).empty());
   network.pipes.pop_back();
-  EXPECT_TRUE(ShortestRoute(network, "A", "D").empty());
-  EXPECT_THROW((void)ShortestRoute(network, "A", "Z"), std::out_of_range);
+  EXPECT_TRUE(ShortestRoute(network, {"A", "D"}).empty());
+  EXPECT_THROW((void)ShortestRoute(network, {"A", "Z"}), std::out_of_range);
 }
 
 TEST(Neighbourhood, KeepsEveryPipeThatBeginsWithinReach) {

@@ -401,7 +401,7 @@ TEST(EveryElement, HoldsEachAtLeastOnce) {
       return c.alignment == static_cast<Alignment>(i);
     })) << i;
   }
-  for (const char* kind : {"end", "straight", "curve", "tee", "cross"}) {
+  for (const char* kind : {"end", "straight", "curve", "tee", "wye", "cross"}) {
     EXPECT_TRUE(Any(network.manholes, [&](const Manhole& m) {
       return ToString(KindOf(network, m)) == kind;
     })) << kind;

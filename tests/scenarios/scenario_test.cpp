@@ -106,9 +106,15 @@ TEST(PlannedRoute, BeginsWithTheStartPipeAndKnowsItsDirections) {
 
 TEST(PlannedRoute, PassesTheManholesInBetween) {
   Scenario scenario = TeeScenario();
-  scenario.via = {"M1", "E"};
-  EXPECT_THAT(PipesOf(PlannedRoute(scenario)),
-              testing::ElementsAre("S-M1", "M1-M2", "M2-E", "-M2-E", "-B-M2"));
+  scenario.via = {"M1", "M2"};
+  scenario.goal = "E";
+  EXPECT_THAT(PipesOf(PlannedRoute(scenario)), testing::ElementsAre("S-M1", "M1-M2", "M2-E"));
+}
+
+TEST(Scenario, RefusesAWayThatTurnsBack) {
+  EXPECT_EQ(Refusal(std::string(kTee) + "via: [E]\n"),
+            "folder/tee.yaml:4: goal: the way there turns by 180° in manhole \"E\", from pipe "
+            "\"M2-E\" into pipe \"M2-E\": KANTARO turns by at most 120°");
 }
 
 TEST(Scenario, RefusesAStartPipeThatIsNotTheShortestToItsEnd) {
