@@ -58,7 +58,7 @@ struct Words {
   std::vector<std::string> paths, blind, only;
   std::string file, to, out, junit, baseline, pipe, chainage, pipes, length, spacing, count, page;
   std::string seed{"1"}, seeds{"1"}, jobs, robot{"models/kantaro"};
-  bool json{};
+  bool record{}, json{};
 };
 
 kantaro::network::GeneratorOptions ReadGeneratorOptions(const Words& words) {
@@ -92,6 +92,7 @@ int Dispatch(const CLI::App& app, const Words& words) {
                                   ParseSeed(words.seed),
                                   Given(words.out),
                                   ParseBlind(words.blind),
+                                  words.record,
                                   words.json};
     return scenarios::Run(request, std::cout);
   }
@@ -150,6 +151,8 @@ void Declare(CLI::App& app, Words& words) {
   run->add_option("--blind", words.blind, "senses to take from the robot: laser,infrared,cameras")
       ->delimiter(',')
       ->allow_extra_args(false);
+
+  run->add_flag("--record", words.record, "write every reading and command as a ROS bag");
 
   CLI::App* suite = command(
       "suite", "Run many missions, each in a process of its own, and compare with a baseline.");

@@ -25,3 +25,18 @@ endforeach()
 target_link_libraries(opencv_imgproc INTERFACE opencv_core)
 target_link_libraries(opencv_imgcodecs INTERFACE opencv_imgproc)
 set(OpenCV_LIBS opencv_imgcodecs)
+
+# ROS 1 bags. Their pkg-config files ask for modules that Debian does not describe, so the libraries are named here.
+find_path(ROS_INCLUDE_DIR rosbag/bag.h REQUIRED)
+add_library(ros_bag INTERFACE)
+target_include_directories(ros_bag SYSTEM INTERFACE ${ROS_INCLUDE_DIR})
+foreach(header pluginlib/class_loader class_loader/class_loader ament_index_cpp/get_resource
+               rcpputils/shared_library rcutils/types)
+  get_filename_component(package ${header} DIRECTORY)
+  find_path(ROS_${package}_INCLUDE_DIR NAMES ${header}.hpp ${header}.h PATH_SUFFIXES ${package} REQUIRED)
+  target_include_directories(ros_bag SYSTEM INTERFACE ${ROS_${package}_INCLUDE_DIR})
+endforeach()
+foreach(library rosbag_storage roscpp_serialization rostime cpp_common console_bridge)
+  find_library(ROS_${library}_LIBRARY ${library} REQUIRED)
+  target_link_libraries(ros_bag INTERFACE ${ROS_${library}_LIBRARY})
+endforeach()

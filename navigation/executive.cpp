@@ -165,10 +165,11 @@ void Executive::See(const perception::IrObservation& infrared) {
     SeeEndWall(geometry_.infrared_x_m, TravelSince(infrared.captured_at), "IR");
   }
   infrared_up_ = infrared.manhole;
-  // The laser, where there is one, decides about junctions (thesis 5.6).
+  // The laser, where there is one, decides about junctions (thesis 5.6), unless the robot meets the
+  // far wall before the laser at its rear can reach them.
   const bool side = Leg().turn_rad > 0.0 ? infrared.junction_left : infrared.junction_right;
-  if (TurnsHere() && end_wall_seen_ && infrared.manhole && side && Silent(laser_heard_))
-    junction_seen_ = true;
+  const bool decides = Silent(laser_heard_) || !Leg().straight_on;
+  if (TurnsHere() && end_wall_seen_ && infrared.manhole && side && decides) junction_seen_ = true;
 }
 
 void Executive::SeeEndWall(double sensor_x_m, double travelled_since_m, const char* sensor) {

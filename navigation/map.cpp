@@ -18,6 +18,8 @@ using network::Pipe;
 /// Default centre-line radius of a curved channel, in shaft radii (as sewers are built here,
 /// docs/network_format.md).
 constexpr double kChannelRadiusRatio = 0.66;
+/// Inlets within 1.5 h of the crown open the laser's top window, not a side.
+constexpr double kHighest_h = 4.5;
 
 std::vector<MapLandmark> Landmarks(const Pipe& pipe, bool downstream, double length_m,
                                    double factor) {
@@ -27,6 +29,7 @@ std::vector<MapLandmark> Landmarks(const Pipe& pipe, bool downstream, double len
   };
   for (const network::Joint& joint : pipe.joints) add(LandmarkKind::kJoint, joint.chainage_m);
   for (const network::Inlet& inlet : pipe.inlets) {
+    if (std::abs(inlet.clock_h - 6.0) > kHighest_h) continue;
     const bool right = (inlet.clock_h < 6.0) == downstream;
     add(right ? LandmarkKind::kInletRight : LandmarkKind::kInletLeft, inlet.chainage_m);
   }
@@ -34,6 +37,16 @@ std::vector<MapLandmark> Landmarks(const Pipe& pipe, bool downstream, double len
       landmarks.begin(), landmarks.end(),
       [](const MapLandmark& a, const MapLandmark& b) { return a.distance_m < b.distance_m; });
   return landmarks;
+}
+
+bool GoesStraightOn(const Network& network, const MapLeg& leg) {
+  const Manhole& manhole = network.ManholeNamed(leg.end_manhole);
+  const Pipe& from = network.PipeNamed(leg.pipe);
+  const std::vector<std::size_t> pipes = network.PipesAt(manhole.name);
+  return std::any_of(pipes.begin(), pipes.end(), [&](std::size_t to) {
+    const double turn = network::TurnInto(network, manhole, from, network.pipes[to]);
+    return std::abs(turn) < kStraightOn_rad;
+  });
 }
 
 MapLeg MakeLeg(const Network& network, const network::RouteLeg& route_leg, double factor) {
@@ -49,6 +62,7 @@ MapLeg MakeLeg(const Network& network, const network::RouteLeg& route_leg, doubl
   const Manhole& end = network.ManholeNamed(leg.end_manhole);
   leg.end_kind = network::KindOf(network, end);
   leg.end_shaft_radius_m = network.ShaftDiameter(end) / 2.0;
+  leg.straight_on = GoesStraightOn(network, leg);
   return leg;
 }
 

@@ -28,6 +28,7 @@ struct MapLeg {
   std::string end_manhole;
   network::ManholeKind end_kind{network::ManholeKind::kEnd};
   double end_shaft_radius_m{};
+  bool straight_on{};  ///< some pipe leaves the end manhole straight ahead, wherever the route goes
   /// Turn to be made in the end manhole to reach the next leg [rad], positive to the left; 0 on the
   /// last leg.
   double turn_rad{};

@@ -70,15 +70,24 @@ std::vector<Scenario> ReadAll(const RunRequest& request) {
   return scenarios;
 }
 
-Result RunOne(const Scenario& scenario, std::uint64_t seed, const std::filesystem::path& folder) {
+/// Beside the run folder until the run is over, where it is found if the run breaks off.
+std::filesystem::path RecordingOf(const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder.string() + ".recording.bag";
+  if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path());
+  return file;
+}
+
+Result RunOne(const Scenario& scenario, std::uint64_t seed, const std::filesystem::path& folder,
+              bool record) {
   const ProgressLine line;
   RunOptions options;
   options.progress = [&](double sim_s, double limit_s) {
     line.Show(fmt::format("{} seed {}: {:.0f} s of at most {:.0f} s", scenario.name, seed, sim_s,
                           limit_s));
   };
+  if (record) options.recording = RecordingOf(folder);
   const MissionRun run = RunMission(scenario, seed, options);
-  WriteRun(folder, scenario, run);
+  WriteRun(folder, scenario, run, options.recording);
   return run.result;
 }
 
@@ -108,7 +117,7 @@ int Run(const RunRequest& request, std::ostream& out) {
   bool passed = true;
   for (const Scenario& scenario : scenarios) {
     const std::filesystem::path folder = FolderOf(request, scenario);
-    const Result result = RunOne(scenario, request.seed, folder);
+    const Result result = RunOne(scenario, request.seed, folder, request.record);
     passed = passed && result.verdict.passed;
     results.push_back(ToJson(result));
     if (!request.json) out << ResultText(result, folder) << std::flush;

@@ -77,7 +77,8 @@ void CheckFolder(const std::filesystem::path& folder, const std::string& mark) {
   }
 }
 
-void WriteFolder(const std::filesystem::path& wanted, const FolderFiles& files) {
+void WriteFolder(const std::filesystem::path& wanted, const FolderFiles& files,
+                 const MovedFiles& moved) {
   if (files.empty()) throw std::invalid_argument("WriteFolder: no files");
   const std::filesystem::path folder =
       std::filesystem::absolute(wanted.has_filename() ? wanted : wanted.parent_path())
@@ -88,6 +89,10 @@ void WriteFolder(const std::filesystem::path& wanted, const FolderFiles& files) 
   const Scaffold remove_fresh(fresh), remove_old(old);
   for (const auto& [name, bytes] : files) WriteFileAtomically(fresh / name, bytes);
   std::error_code error;
+  for (const auto& [name, from] : moved) {
+    std::filesystem::rename(from, fresh / name, error);
+    if (error) throw InputError(from, {}, "", "cannot be moved: " + error.message());
+  }
   if (std::filesystem::exists(folder, error)) std::filesystem::rename(folder, old, error);
   if (!error) std::filesystem::rename(fresh, folder, error);
   if (error) {

@@ -37,15 +37,18 @@ struct Result {
 /// Files of an output folder by name, with their bytes. The first is the folder's mark: only a
 /// folder that holds a file of this name is taken for an earlier output and replaced.
 using FolderFiles = std::vector<std::pair<std::string, std::string>>;
+/// Files that exist already, by the name they take in the folder.
+using MovedFiles = std::vector<std::pair<std::string, std::filesystem::path>>;
 
 /// Refuses a place that WriteFolder would refuse, before long work begins.
 /// @throws InputError if a file stands there, or a folder that is neither empty nor marked.
 void CheckFolder(const std::filesystem::path& folder, const std::string& mark);
 
-/// Writes a folder as a whole: everything goes into one beside it, which then takes its name. On
-/// failure nothing is left behind. @throws InputError as CheckFolder, or if the place cannot be
-/// written.
+/// Writes a folder as a whole: everything, moved files last, goes into one beside it, which then
+/// takes its name. On failure nothing is left behind. @throws InputError as CheckFolder, or if the
+/// place cannot be written.
 /// @throws std::invalid_argument without files.
-void WriteFolder(const std::filesystem::path& folder, const FolderFiles& files);
+void WriteFolder(const std::filesystem::path& folder, const FolderFiles& files,
+                 const MovedFiles& moved = {});
 
 }  // namespace kantaro::scenarios

@@ -10,6 +10,7 @@
 #include "network/pipe_axis.hpp"
 #include "perception/perception.hpp"
 #include "robot/description.hpp"
+#include "robot/recording/recorder.hpp"
 #include "scenarios/blinded.hpp"
 #include "scenarios/report.hpp"
 #include "scenarios/trace_recorder.hpp"
@@ -53,7 +54,9 @@ class Loop {
         hardware_(twin_, scenario.blind),
         perception_(description_, perception_parameters_),
         executive_(MakeExecutive(scenario, conditions, description_)),
-        recorder_(scenario, world_.sewer->network, description_) {}
+        recorder_(scenario, world_.sewer->network, description_) {
+    if (options.recording) recording_.emplace(*options.recording, description_);
+  }
 
   MissionTrace Run() {
     recorder_.Sample(0.0, twin_.Truth(), executive_);
@@ -65,12 +68,14 @@ class Loop {
       Sample();
       if (now_s >= end_s + kAfterwards_s) break;
     }
+    if (recording_) recording_->Close();
     return recorder_.Finish(std::min(end_s, robot::Seconds(hardware_.Now())), executive_);
   }
 
  private:
   void Tick(const robot::Reading& reading) {
     recorder_.Add(reading);
+    if (recording_) recording_->Write(reading);
     perception_.SetPipeDiameter(executive_.pipe_diameter_m());
     std::optional<robot::Command> command;
     for (const perception::Observation& observation : perception_.Process(reading)) {
@@ -80,6 +85,14 @@ class Loop {
     if (!command) return;
     hardware_.Apply(*command);
     recorder_.Add(*command, executive_);
+    if (recording_) Record(*command);
+  }
+
+  void Record(const robot::Command& command) {
+    const navigation::Estimate estimate = executive_.estimate();
+    recording_->Write(hardware_.Now(), command);
+    recording_->Write(hardware_.Now(), {executive_.route().legs[estimate.leg].pipe,
+                                        estimate.distance_m, estimate.deviation_m});
   }
 
   void Sample() {
@@ -102,6 +115,7 @@ class Loop {
   perception::Perception perception_;
   navigation::Executive executive_;
   TraceRecorder recorder_;
+  std::optional<robot::Recorder> recording_;
   robot::RunTime next_sample_{kSamplePeriod};
   robot::RunTime next_progress_{kProgressPeriod};
 };
@@ -123,7 +137,8 @@ MissionRun RunMission(const Scenario& whole, std::uint64_t seed, const RunOption
   return run;
 }
 
-void WriteRun(const std::filesystem::path& folder, const Scenario& whole, const MissionRun& run) {
+void WriteRun(const std::filesystem::path& folder, const Scenario& whole, const MissionRun& run,
+              const std::optional<std::filesystem::path>& recording) {
   const Scenario scenario = AroundItsRoute(whole);
   const perception::Parameters parameters =
       perception::ReadParameters(scenario.robot_folder / "perception.yaml");
@@ -133,7 +148,7 @@ void WriteRun(const std::filesystem::path& folder, const Scenario& whole, const 
   for (std::size_t i = 0; i < run.trace.frames.size(); ++i) {
     files.emplace_back(fmt::format("frame_{:02}.jpg", i + 1), run.trace.frames[i].jpeg);
   }
-  WriteFolder(folder, files);
+  WriteFolder(folder, files, recording ? MovedFiles{{"recording.bag", *recording}} : MovedFiles{});
 }
 
 }  // namespace kantaro::scenarios

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 
 #include "scenarios/conditions.hpp"
 #include "scenarios/mission_trace.hpp"
@@ -15,6 +16,8 @@ struct RunOptions {
   int render_threads{2};  ///< decides speed, never a result
   /// Told now and then how far the run is: simulated time and its limit [s]. May be empty.
   std::function<void(double sim_s, double limit_s)> progress;
+  /// Where to record the run (robot::Recorder), if at all.
+  std::optional<std::filesystem::path> recording;
 };
 
 /// A mission that was run and judged.
@@ -31,7 +34,9 @@ struct MissionRun {
 [[nodiscard]] MissionRun RunMission(const Scenario& scenario, std::uint64_t seed,
                                     const RunOptions& options);
 
-/// `result.json`, `report.html` and the camera frames, into the run folder as a whole.
-void WriteRun(const std::filesystem::path& folder, const Scenario& scenario, const MissionRun& run);
+/// `result.json`, `report.html`, the camera frames and the recording, if there is one (it is
+/// moved), into the run folder as a whole.
+void WriteRun(const std::filesystem::path& folder, const Scenario& scenario, const MissionRun& run,
+              const std::optional<std::filesystem::path>& recording = {});
 
 }  // namespace kantaro::scenarios

@@ -62,7 +62,8 @@ robot::LaserSample LaserScanner::Measure(const Isometry3d& X_WL, double angle_ra
       std::clamp(noise_.Normal(laser_.accuracy_m / 3.0), -laser_.accuracy_m, laser_.accuracy_m);
   const auto hit = rays_.Cast(X_WL.translation(), X_WL.linear() * beam_L,
                               laser_.range_max_m + laser_.accuracy_m);
-  const double range_m = hit ? hit->range_m + error_m : laser_.range_max_m;
+  // The scanner's own number is a single: what a recording keeps is what perception got.
+  const double range_m = hit ? static_cast<float>(hit->range_m + error_m) : laser_.range_max_m;
   if (!hit || range_m > laser_.range_max_m)
     return {angle_rad, laser_.range_max_m, robot::RangeStatus::kTooFar};
   if (range_m < laser_.range_min_m)

@@ -27,7 +27,7 @@ libraries=(
   'urdf_|tinyxml robot'
   'rosbag/|ros/|[a-z]+_msgs/ robot/recording'
   'opencv2/videoio robot/device'
-  'boost/ network'
+  'boost/ network|sim'
   'CLI/ apps'
 )
 

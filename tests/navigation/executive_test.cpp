@@ -119,6 +119,18 @@ TEST(Executive, TurnsAtATeeOnlyAfterTheLasersJunction) {
   EXPECT_LT(turn, pipe);
 }
 
+// From the stem of a tee the nose meets the far wall when the base is R + D/2 - 0.16 m behind the
+// near one, less if the robot stands askew; the laser, 170 mm behind, may then never see the
+// branches.
+TEST(Executive, TurnsAtATeeThatItEntersByTheStem) {
+  PuppetSetup setup;
+  setup.farthest_beyond_m = kBranchSeen_m - 0.02;
+  const Puppet puppet = Drive(TeeField(), {"C", "A"}, setup);
+  ExpectArrival(puppet, 1);
+  ASSERT_EQ(puppet.turns().size(), 1u) << puppet.story();
+  EXPECT_FALSE(puppet.turns()[0].left);
+}
+
 TEST(Executive, TurnsRightWhereTheBranchLiesToTheRight) {
   const Puppet puppet = Drive(TeeField(), {"B", "C"});
   ExpectArrival(puppet, 1);

@@ -83,6 +83,21 @@ TEST(Map, MirrorsLandmarksDrivenUpstream) {
   EXPECT_NEAR(landmarks[2].distance_m, 7.2 - 1.5, 1e-9);
 }
 
+// Its mouth shows in the laser's top window, which looks for manholes.
+TEST(Map, TakesAnInletAtTheCrownForNoLandmarkOfASide) {
+  for (const double clock_h : {12.0, 11.0, 1.0}) {
+    network::Network network = Furnished();
+    for (network::Inlet& inlet : network.pipes[0].inlets) inlet.clock_h = clock_h;
+    EXPECT_EQ(MakeRoute(network, {"A", "M"}, {}).legs[0].landmarks.size(), 1u) << clock_h;
+  }
+}
+
+TEST(Map, KnowsWhereThePipeGoesStraightOn) {
+  EXPECT_TRUE(MakeRoute(TeeField(), {"A", "C"}, {}).legs[0].straight_on) << "to B, not driven";
+  EXPECT_FALSE(MakeRoute(TeeField(), {"C", "A"}, {}).legs[0].straight_on) << "the tee's stem";
+  EXPECT_FALSE(MakeRoute(Curve(), {"A", "C"}, {}).legs[0].straight_on);
+}
+
 // From A eastwards, C lies to the north: left. From E westwards it lies to the right.
 TEST(Map, CountsTurnsToTheLeftPositive) {
   EXPECT_NEAR(MakeRoute(TeeField(), {"A", "C"}, {}).legs[0].turn_rad, pi / 2.0, 1e-9);

@@ -115,6 +115,9 @@ void Puppet::Move(const robot::Command& command, double step_s) {
   }
   const double heading_rad = Heading_rad();
   distance_m_ += setup.scale * speed_m_s * step_s;
+  if (!Leg().straight_on && !turning_) {
+    distance_m_ = std::min(distance_m_, Leg().length_m + setup.farthest_beyond_m);
+  }
   wheel_travel_m_ += speed_m_s * step_s;
   yaw_rate_rad_s_ = (Heading_rad() - heading_rad) / step_s;
   reversed_m_ = speed_m_s < 0.0 ? reversed_m_ - setup.scale * speed_m_s * step_s : 0.0;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <functional>
+#include <limits>
 #include <map>
 #include <set>
 #include <string>
@@ -25,9 +26,11 @@ struct PuppetSetup {
   bool laser{true}, infrared{true}, camera{false}, gyro{true};
   bool side_walls_open{true};  ///< false: no branch of a junction shows, as if walled up
   bool tops_open{true};        ///< false: manholes are covered at the height of the crown
-  double scale{1.0};           ///< true travel per wheel travel
-  double camera_bias_m{0.0};   ///< of every ring's distance
-  robot::RunTime begin{};      ///< time of the first observation
+  /// Where nothing goes straight on, the base gets no farther beyond the end wall than this.
+  double farthest_beyond_m{std::numeric_limits<double>::infinity()};
+  double scale{1.0};          ///< true travel per wheel travel
+  double camera_bias_m{0.0};  ///< of every ring's distance
+  robot::RunTime begin{};     ///< time of the first observation
 };
 
 /// A robot that moves along its route's path and nowhere else, and what its sensors say there by
