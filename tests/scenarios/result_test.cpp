@@ -41,6 +41,14 @@ TEST_F(OutputFolder, ReplacesAnEarlierOneOfItsKind) {
   EXPECT_THAT(Names(), testing::ElementsAre("run"));
 }
 
+TEST_F(OutputFolder, TakesInWhatWasWrittenBesideIt) {
+  WriteFileAtomically(root_ / "run.recording.bag", "bytes");
+  WriteFolder(root_ / "run", {{"result.json", "{}"}},
+              {{"recording.bag", root_ / "run.recording.bag"}});
+  EXPECT_EQ(ReadInputFile(root_ / "run" / "recording.bag"), "bytes");
+  EXPECT_THAT(Names(), testing::ElementsAre("run"));
+}
+
 TEST_F(OutputFolder, LeavesAnotherFolderAlone) {
   WriteFileAtomically(root_ / "thesis" / "chapter1.txt", "precious");
   EXPECT_THROW(WriteFolder(root_ / "thesis", {{"result.json", "{}"}}), InputError);
