@@ -1,9 +1,10 @@
 #pragma once
 
-#include <yaml-cpp/yaml.h>
-
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <initializer_list>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -16,12 +17,12 @@ namespace kantaro {
 
 /// A node of a YAML file that knows where it stands, so that every complaint names file, line and
 /// field. Strict: a scalar of the wrong type, a missing key or an unknown one is an InputError;
-/// nothing is guessed.
+/// nothing is guessed. Cheap to copy; keeps its document alive.
 class YamlNode {
  public:
   /// Parses one document. Refuses anchors and aliases (a few lines can name billions of nodes),
-  /// a second document, duplicate keys, nesting deeper than 64, four million values, and files
-  /// above 64 MiB.
+  /// a second document, duplicate keys, nesting deeper than 64, eight million values, and
+  /// files above 128 MiB.
   /// @throws InputError
   [[nodiscard]] static YamlNode Load(const std::filesystem::path& file);
   [[nodiscard]] static YamlNode Parse(const std::string& text, const std::filesystem::path& name);
@@ -47,23 +48,28 @@ class YamlNode {
   /// Exactly `count` finite numbers.
   [[nodiscard]] std::vector<double> Numbers(std::size_t count) const;
 
-  [[nodiscard]] bool IsMap() const { return node_.IsMap(); }
-  [[nodiscard]] bool IsSequence() const { return node_.IsSequence(); }
-  [[nodiscard]] const std::string& field() const { return field_; }
-  [[nodiscard]] const std::filesystem::path& file() const { return file_; }
-  [[nodiscard]] int line() const { return line_; }
+  [[nodiscard]] bool IsMap() const;
+  [[nodiscard]] bool IsSequence() const;
+  /// The way to it from the root, "pipes[3].diameter_mm".
+  [[nodiscard]] std::string field() const;
+  [[nodiscard]] const std::filesystem::path& file() const;
+  [[nodiscard]] int line() const;
 
   /// The error to throw about this node.
   [[nodiscard]] InputError Error(const std::string& problem) const;
 
  private:
-  YamlNode(YAML::Node node, std::filesystem::path file, std::string field, int line)
-      : node_(std::move(node)), file_(std::move(file)), field_(std::move(field)), line_(line) {}
+  struct Document;
+  class TreeBuilder;
+  YamlNode(std::shared_ptr<const Document> document, std::uint32_t index)
+      : document_(std::move(document)), index_(index) {}
+  [[nodiscard]] YamlNode At(std::uint32_t index) const { return {document_, index}; }
+  [[nodiscard]] std::string_view Scalar() const;
+  [[nodiscard]] bool IsScalar() const;
+  void DemandMap() const;
 
-  YAML::Node node_;
-  std::filesystem::path file_;
-  std::string field_;
-  int line_;
+  std::shared_ptr<const Document> document_;
+  std::uint32_t index_;
 };
 
 }  // namespace kantaro

@@ -18,7 +18,6 @@ namespace kantaro::network {
 namespace {
 
 constexpr double kFarthest_m = 1e7;  // a millimetre is still exact there
-constexpr double kLargestDiameter_m = 10.0;
 constexpr double kLargestShaft_m = 50.0;
 constexpr double kDeepest_m = 500.0;
 constexpr double kLongestPipe_m = 20'000.0;

@@ -22,6 +22,7 @@ struct Flaw : std::runtime_error {
 /// Shortest length between regular joints [m], and most joints of a network: more is a slip of the
 /// pen.
 inline constexpr double kShortestSpacing_m = 0.2;
+inline constexpr double kLargestDiameter_m = 10.0;
 inline constexpr std::size_t kLongestName = 200;  // bytes
 inline constexpr std::size_t kMostJoints = 10'000'000;
 

@@ -11,7 +11,7 @@
 namespace kantaro::network {
 namespace {
 
-constexpr std::size_t kLargestYaml = std::size_t{64} << 20;  // as YamlNode::Load
+constexpr std::size_t kLargestYaml = std::size_t{128} << 20;  // as YamlNode::Load
 
 }  // namespace
 

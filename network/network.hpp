@@ -50,6 +50,7 @@ struct Manhole {
   std::optional<double> channel_radius_m;
 
   bool operator==(const Manhole&) const = default;
+  bool operator==(const Manhole&) const = default;
 };
 
 /// A joint between two pipe lengths, seen as a groove around the wall. The length after it may lie
@@ -65,6 +66,7 @@ struct Joint {
   double deflection_clock_h{6.0};  ///< which way the next length points, looking downstream
 
   bool operator==(const Joint&) const = default;
+  bool operator==(const Joint&) const = default;
 };
 
 /// A stretch of pipe that has sunk: its joints lie on a parabola below the grade, and the lengths
@@ -75,6 +77,7 @@ struct Sag {
   double depth_m{};  ///< below the grade at the middle, > 0
 
   bool operator==(const Sag&) const = default;
+  bool operator==(const Sag&) const = default;
 };
 
 /// From here on, downstream, the pipe has another diameter: a step with a plane face.
@@ -83,6 +86,7 @@ struct DiameterChange {
   double diameter_m{};
   Alignment alignment{Alignment::kInvert};
 
+  bool operator==(const DiameterChange&) const = default;
   bool operator==(const DiameterChange&) const = default;
 };
 
@@ -97,6 +101,7 @@ struct Inlet {
   double angle_rad{std::numbers::pi / 2.0};
   double protrusion_m{};  ///< how far its end stands into the pipe, 0 if flush
 
+  bool operator==(const Inlet&) const = default;
   bool operator==(const Inlet&) const = default;
 };
 
@@ -117,6 +122,7 @@ struct Obstacle {
   double width_m{};     ///< across: a stone's foot, a brick's side, a ridge's arc; 0: full ring
 
   bool operator==(const Obstacle&) const = default;
+  bool operator==(const Obstacle&) const = default;
 };
 
 /// Damage planted on a wall: it is seen, and it is what the fault detector is judged against.
@@ -130,6 +136,7 @@ struct Fault {
   double width_m{0.005};  ///< opening of a crack; extent around the wall of anything else
 
   bool operator==(const Fault&) const = default;
+  bool operator==(const Fault&) const = default;
 };
 
 /// A point where a pipe's centre line turns, rounded by an arc.
@@ -137,6 +144,7 @@ struct Bend {
   Eigen::Vector2d p_W{Eigen::Vector2d::Zero()};  ///< where the two straight legs would meet [m]
   double radius_m{};                             ///< of the centre line, > diameter / 2
 
+  bool operator==(const Bend&) const = default;
   bool operator==(const Bend&) const = default;
 };
 
@@ -166,6 +174,7 @@ struct Pipe {
   [[nodiscard]] double DiameterIn(const std::string& manhole) const;
 
   bool operator==(const Pipe&) const = default;
+  bool operator==(const Pipe&) const = default;
 };
 
 /// What a reader left out or filled in, for the person who supplied the file.
@@ -173,6 +182,7 @@ struct Remark {
   std::optional<int> line;  ///< in the file, 1-based
   std::string subject;      ///< "conduit 17"
   std::string text;         ///< what was done and why
+  bool operator==(const Remark&) const = default;
 };
 
 /// Something between two manholes that KANTARO cannot enter and that is not built (egg-shaped, a
@@ -183,6 +193,7 @@ struct SkippedLink {
   double length_m{};                     ///< from node to node, 0 if not known
   double height_m{};                     ///< inside, 0 if not known
   std::vector<Eigen::Vector2d> via_W{};  ///< corners of its course between its ends [m]
+  bool operator==(const SkippedLink&) const = default;
 };
 
 /// The sewer as a domain model. Names are unique among manholes and among pipes.
@@ -203,6 +214,7 @@ struct Network {
   [[nodiscard]] std::vector<std::size_t> PipesAt(const std::string& manhole) const;
   /// Given, or the largest connected pipe + 500 mm.
   [[nodiscard]] double ShaftDiameter(const Manhole& manhole) const;
+  bool operator==(const Network&) const = default;
 };
 
 /// Diameters KANTARO is built for [m] (thesis 5.5: 250 to 350 mm; the platform: from 200 mm).

@@ -100,6 +100,11 @@ std::optional<std::string> Builder::WhyNoPipe(const Link& link) const {
   if (!link.device.empty()) return link.device;
   if (link.from == link.to) return "begins and ends in one node";
   if (link.shape != "CIRCULAR") return fmt::format("not circular ({})", link.shape);
+  // Before any shaft is made to its size, or its neighbours would have no room.
+  if (link.height_m > kLargestDiameter_m) {
+    return fmt::format("a diameter of more than {} m, a slip of the unit: {:.6g} m",
+                       kLargestDiameter_m, link.height_m);
+  }
   return std::nullopt;
 }
 

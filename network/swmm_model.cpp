@@ -150,11 +150,7 @@ void Reader::ReadNodes() {
 /// An offset as given: a height above the node's invert, an elevation, or * or nothing for none.
 double Reader::ReadOffset(const Row& row, std::size_t position, const char* column,
                           const std::string& node) {
-  if (position >= row.words.size()) {
-    AddRemark(row.line, "conduit " + row.Word(0, "Name"), "an offset is not given, 0 is assumed");
-    return 0.0;
-  }
-  if (row.words[position] == "*") return 0.0;
+  if (position >= row.words.size() || row.words[position] == "*") return 0.0;
   const double value_m = row.Number(position, column) * model_.options.unit_m;
   if (!model_.options.offsets_are_elevations) return ToMillimetres(value_m);
   const auto found = model_.node_of.find(node);
@@ -182,6 +178,9 @@ void Reader::ReadConduits() {
     conduit.roughness = row.Number(4, "Roughness");
     conduit.from_offset_m = ReadOffset(row, 5, "InOffset", from);
     conduit.to_offset_m = ReadOffset(row, 6, "OutOffset", to);
+    if (row.words.size() < 7) {
+      AddRemark(row.line, "conduit " + row.Word(0, "Name"), "an offset is not given, 0 is assumed");
+    }
     AddLink(row, std::move(conduit));
   }
   if (model_.links.empty()) {

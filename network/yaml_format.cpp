@@ -16,6 +16,7 @@
 #include "network/joints.hpp"
 #include "network/names.hpp"
 #include "network/network_index.hpp"
+#include "network/yaml_notes.hpp"
 
 namespace kantaro::network {
 namespace {
@@ -424,27 +425,11 @@ void WritePipe(std::string& text, const Pipe& pipe, double design_length_m) {
   WriteList(text, "faults", pipe.faults, FaultText);
 }
 
-/// What the format has no place for, as a comment: a reader of the file should still know.
-std::string Preamble(const Network& network) {
-  std::string text;
-  const auto comment = [&](std::string line) {
-    std::replace_if(
-        line.begin(), line.end(),
-        [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, ' ');
-    text += "# " + line + "\n";
-  };
-  for (const Remark& remark : network.remarks) comment(remark.subject + ": " + remark.text);
-  for (const SkippedLink& link : network.skipped) {
-    comment(fmt::format("left out {}: {}", link.name, link.reason));
-  }
-  return text;
-}
-
 }  // namespace
 
 Network ParseYaml(const std::string& text, const std::filesystem::path& name) {
   const YamlNode root = YamlNode::Parse(text, name);
-  root.AllowOnly({"name", "manholes", "pipes"});
+  root.AllowOnly({"name", "manholes", "pipes", "not_enterable", "remarks"});
   Network network;
   network.name = root["name"].Text();
   for (const YamlNode& manhole : root["manholes"].Elements()) {
@@ -452,6 +437,7 @@ Network ParseYaml(const std::string& text, const std::filesystem::path& name) {
   }
   const std::vector<YamlNode> pipes = root["pipes"].Elements();
   for (const YamlNode& pipe : pipes) network.pipes.push_back(ReadPipe(pipe));
+  ReadNotes(root, network);
   try {
     CheckNetwork(network);
     ReadJointPatterns(pipes, network);
@@ -463,8 +449,7 @@ Network ParseYaml(const std::string& text, const std::filesystem::path& name) {
 }
 
 std::string ToYaml(const Network& network) {
-  std::string text = Preamble(network);
-  text += fmt::format("name: {}\nmanholes:\n", NameText(network.name));
+  std::string text = fmt::format("name: {}\nmanholes:\n", NameText(network.name));
   for (const Manhole& manhole : network.manholes) {
     text += fmt::format("  - {}\n", ManholeText(manhole));
   }
@@ -473,7 +458,7 @@ std::string ToYaml(const Network& network) {
   for (std::size_t i = 0; i < network.pipes.size(); ++i) {
     WritePipe(text, network.pipes[i], DesignLengthOf(network, index, i));
   }
-  return text;
+  return text + NotesText(network);
 }
 
 }  // namespace kantaro::network

@@ -123,6 +123,26 @@ Vector3d Middle(const SurfaceMesh& mesh, const std::array<std::uint32_t, 3>& tri
          3.0;
 }
 
+/// MuJoCo takes no mesh of fewer than four vertices or without volume: a lone triangle, or a few in
+/// one plane, get a corner a millimetre behind them, where it is never seen.
+void GiveVolume(VisualMesh& mesh) {
+  constexpr float kFlat_m = 1e-4F, kBehind_m = 1e-3F;
+  const auto [a, b, c] = mesh.triangles.front();
+  const Eigen::Vector3f& p = mesh.positions[a];
+  const Eigen::Vector3f normal = (mesh.positions[b] - p).cross(mesh.positions[c] - p).normalized();
+  const bool flat = std::ranges::all_of(mesh.positions, [&](const Eigen::Vector3f& q) {
+    return std::abs(normal.dot(q - p)) < kFlat_m;
+  });
+  if (!flat && mesh.positions.size() >= 4) return;
+  const auto corner = static_cast<std::uint32_t>(mesh.positions.size());
+  mesh.positions.push_back((p + mesh.positions[b] + mesh.positions[c]) / 3.0F - kBehind_m * normal);
+  mesh.normals.push_back(mesh.normals[a]);
+  mesh.texture.push_back(mesh.texture[a]);
+  mesh.triangles.push_back({b, a, corner});
+  mesh.triangles.push_back({c, b, corner});
+  mesh.triangles.push_back({a, c, corner});
+}
+
 /// Cuts the wall into one mesh for each primitive and stretch of `chunk_m` along it.
 std::vector<Visual> CutWall(const Sewer& sewer, const SurfaceMesh& mesh,
                             const SceneryOptions& options, double chunk_m) {
@@ -156,6 +176,7 @@ std::vector<Visual> CutWall(const Sewer& sewer, const SurfaceMesh& mesh,
                                       paint.offset);
       }
     }
+    GiveVolume(visual.mesh);
   }
   return visuals;
 }

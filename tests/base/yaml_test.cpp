@@ -187,8 +187,8 @@ TEST(YamlNode, RefusesASecondDocumentInsteadOfIgnoringIt) {
 }
 
 TEST(YamlNode, RefusesMoreValuesThanMemoryIsMeantFor) {
-  EXPECT_THAT(ProblemOfParsing("[" + Repeated(4'100'000, "1,") + "1]"),
-              HasSubstr("more than 4000000 values"));
+  EXPECT_THAT(ProblemOfParsing("[" + Repeated(8'100'000, "1,") + "1]"),
+              HasSubstr("more than 8000000 values"));
 }
 
 TEST(YamlNode, RefusesControlCharactersAndNamesTheLine) {

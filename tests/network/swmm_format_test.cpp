@@ -207,6 +207,35 @@ TEST(Swmm, OneOfSeveralBarrelsIsLaid) {
   EXPECT_TRUE(HasRemark(network, "conduit c2", "3 barrels"));
 }
 
+// The widest pipe makes the shafts: one of 15 m would leave no room for its neighbour of 50 m.
+TEST(Swmm, APipeOfFifteenMetresIsNoPipeAndHarmsNoOther) {
+  const Network network = Parse(SmallWith("c2 circular 0.4", "c2 circular 15"));
+  EXPECT_THAT(ReasonFor(network, "c2"), HasSubstr("more than 10 m"));
+  ASSERT_EQ(network.pipes.size(), 1u);
+  EXPECT_EQ(network.ShaftDiameter(network.ManholeNamed("B 1")), 0.8);
+}
+
+TEST(Swmm, AnOffsetThatIsNotGivenIsNoneAndNamed) {
+  const Network network = Parse(SmallWith("50 0.010 0 0.1 0 0", "50 0.010 0"));
+  EXPECT_EQ(network.pipes[0].downstream_offset_m, 0.0);
+  EXPECT_TRUE(HasRemark(network, "conduit c1", "an offset is not given"));
+}
+
+TEST(Swmm, AFileWithoutNodesOrCoordinatesSaysSo) {
+  try {
+    (void)Parse("[CONDUITS]\nc1 A B 1 1 0 0\n");
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.field(), "JUNCTIONS");
+  }
+  try {
+    (void)Parse(SmallWith("A 1000 1000\n\"B 1\" 1050 1000\nC 1060 1040\n", ""));
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.field(), "COORDINATES");
+  }
+}
+
 TEST(Swmm, AStorageUnitIsTakenForAManholeAndNamed) {
   const Network network = Parse(SmallWith("[OUTFALLS]\nC 9.0 FREE", "[STORAGE]\nC 9.0 4.0 0"));
   EXPECT_EQ(network.ManholeNamed("C").depth_m, 4.0);
@@ -458,18 +487,22 @@ TEST(SwmmInvalidModel, LoadsWithItsUndefinedNodesNamed) {
             2);
 }
 
-TEST(SwmmExamples, SurviveBeingWrittenAsYaml) {
-  READ_SHARED(network, "nrtest_user4.inp");
-  const Network again = ParseYaml(ToYaml(network), "user4.yaml");
-  ASSERT_EQ(again.pipes.size(), network.pipes.size());
-  for (std::size_t i = 0; i < network.pipes.size(); ++i) {
-    EXPECT_EQ(again.pipes[i].diameter_m, network.pipes[i].diameter_m);
-    EXPECT_EQ(again.pipes[i].joints.size(), network.pipes[i].joints.size());
-  }
-  for (std::size_t i = 0; i < network.manholes.size(); ++i) {
-    EXPECT_EQ(again.manholes[i].p_WM, network.manholes[i].p_WM);
-  }
+class SwmmExamples : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(SwmmExamples, AreWrittenAsYamlThatReadsBackEqual) {
+  READ_SHARED(network, GetParam());
+  EXPECT_TRUE(ParseYaml(ToYaml(network), "again.yaml") == network);
 }
+
+INSTANTIATE_TEST_SUITE_P(All, SwmmExamples,
+                         ::testing::Values("bellinge_full.inp", "nrtest_Example1.inp",
+                                           "nrtest_Example3.inp", "nrtest_user1.inp",
+                                           "nrtest_user4.inp", "swmmio_model_state_plane.inp",
+                                           "swmmio_invalid_model.inp"),
+                         [](const auto& one) {
+                           const std::string file = one.param;
+                           return file.substr(0, file.find('.'));
+                         });
 
 }  // namespace
 }  // namespace kantaro::network

@@ -298,13 +298,43 @@ TEST(NetworkYaml, RegularJointsAreWrittenAsAPattern) {
               HasSubstr("joints: {first_m: 1, spacing_m: 2, gap_mm: 9, depth_mm: 5}"));
 }
 
-TEST(NetworkYaml, KeepsRemarksAsCommentsOfOneLine) {
+TEST(NetworkYaml, KeepsWhatIsNotBuiltAndWhatWasSaidOfIt) {
+  Network network = OnePipe();
+  network.remarks = {{3, "node \"A\"", "a depth"}, {{}, "map", "it's a \\ and a # comment"}};
+  network.skipped = {{"W1", "A", "nowhere", "a weir: of {wood}", 12.5, 0.3, {{1, 2}, {3.25, -4}}},
+                     {"P 2", "B", "A", "a pump"}};
+  const Network again = ParseYaml(ToYaml(network), "written.yaml");
+  EXPECT_TRUE(again == network);
+  ASSERT_EQ(again.skipped.size(), 2u);
+  EXPECT_EQ(again.skipped[0].via_W[1], Eigen::Vector2d(3.25, -4));
+  EXPECT_EQ(again.remarks[1].text, "it's a \\ and a # comment");
+}
+
+TEST(NetworkYaml, KeepsRemarksOnOneLine) {
   Network network = OnePipe();
   network.remarks = {{3, "node A", "a depth\nname: forged"}};
-  network.skipped = {{"W1", "A", "B", "a weir"}};
-  const std::string text = ToYaml(network);
-  EXPECT_THAT(text, HasSubstr("# left out W1: a weir\n"));
-  ExpectEqual(ParseYaml(text, "written.yaml"), network);
+  const Network again = ParseYaml(ToYaml(network), "written.yaml");
+  EXPECT_EQ(again.name, network.name);
+  EXPECT_EQ(again.remarks[0].text, "a depth name: forged");
+}
+
+TEST(NetworkYaml, NotesAreReadAsStrictlyAsTheRest) {
+  const std::string text = ToYaml(OnePipe());
+  const auto refuses = [&](const std::string& more, const std::string& field) {
+    try {
+      (void)ParseYaml(text + more, "notes.yaml");
+      ADD_FAILURE() << more;
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.field(), field) << error.what();
+    }
+  };
+  const std::string link = "not_enterable:\n  - {name: W, from: A, to: B";
+  refuses(link + "}\n", "not_enterable[0]");
+  refuses(link + ", reason: weir, colour: red}\n", "not_enterable[0].colour");
+  refuses(link + ", reason: weir, length_m: -1}\n", "not_enterable[0].length_m");
+  refuses(link + ", reason: weir, via_m: [[1, 2, 3]]}\n", "not_enterable[0].via_m[0]");
+  refuses(link + ", reason: \"a\\nb\"}\n", "not_enterable[0].reason");
+  refuses("remarks: [{about: A, text: b, line: 0}]\n", "remarks[0].line");
 }
 
 TEST(ReadNetwork, GoesByTheEnding) {

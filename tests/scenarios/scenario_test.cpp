@@ -2,9 +2,11 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <numbers>
 
 #include "base/input_error.hpp"
+#include "network/generator.hpp"
 #include "scenarios/conditions.hpp"
 #include "tests/scenarios/synthetic_mission.hpp"
 
@@ -172,6 +174,45 @@ TEST(Conditions, ChangeNothingByDefault) {
   EXPECT_EQ(conditions.friction, 0.7);
   EXPECT_EQ(conditions.texture, DrawConditions(scenario, 4).texture);
   EXPECT_EQ(conditions.light, 1.0);
+}
+
+// The mission is the same in the part that is cut out: route, junctions, map; and it does not grow.
+TEST(AroundItsRoute, LeavesOutWhatIsFarFromTheRoute) {
+  for (const std::size_t pipes : {600, 6000}) {
+    Scenario scenario;
+    scenario.network = network::Generate({network::Layout::kCity, pipes, {}, 35.8, 1});
+    // Three pipes down from one that KANTARO can enter.
+    const network::Network& city = scenario.network;
+    const auto enters = [&](const network::Pipe& first) {
+      std::string at = first.upstream;
+      for (int i = 0; i < 3; ++i) {
+        const auto next = std::find_if(city.pipes.begin(), city.pipes.end(),
+                                       [&](const network::Pipe& p) { return p.upstream == at; });
+        if (next == city.pipes.end() || !network::IsEnterable(*next)) return false;
+        at = next->downstream;
+      }
+      scenario.goal = at;
+      return true;
+    };
+    const auto start =
+        std::find_if(city.pipes.begin() + static_cast<long>(pipes / 2), city.pipes.end(), enters);
+    ASSERT_NE(start, city.pipes.end());
+    scenario.start = {start->upstream, start->name, 0.5};
+
+    const Scenario cut = AroundItsRoute(scenario);
+    EXPECT_EQ(PipesOf(PlannedRoute(cut)), PipesOf(PlannedRoute(scenario)));
+    EXPECT_EQ(PlannedRoute(cut).size(), 3u);
+    for (const network::RouteLeg& leg : PlannedRoute(cut)) {
+      const network::Pipe& pipe = cut.network.PipeNamed(leg.pipe);
+      for (const std::string& name : {pipe.upstream, pipe.downstream}) {
+        EXPECT_EQ(network::KindOf(cut.network, cut.network.ManholeNamed(name)),
+                  network::KindOf(city, city.ManholeNamed(name)));
+        EXPECT_EQ(cut.network.ShaftDiameter(cut.network.ManholeNamed(name)),
+                  city.ShaftDiameter(city.ManholeNamed(name)));
+      }
+    }
+    EXPECT_LT(cut.network.pipes.size(), 20u);
+  }
 }
 
 }  // namespace
