@@ -50,7 +50,6 @@ struct Manhole {
   std::optional<double> channel_radius_m;
 
   bool operator==(const Manhole&) const = default;
-  bool operator==(const Manhole&) const = default;
 };
 
 /// A joint between two pipe lengths, seen as a groove around the wall. The length after it may lie
@@ -66,7 +65,6 @@ struct Joint {
   double deflection_clock_h{6.0};  ///< which way the next length points, looking downstream
 
   bool operator==(const Joint&) const = default;
-  bool operator==(const Joint&) const = default;
 };
 
 /// A stretch of pipe that has sunk: its joints lie on a parabola below the grade, and the lengths
@@ -77,7 +75,6 @@ struct Sag {
   double depth_m{};  ///< below the grade at the middle, > 0
 
   bool operator==(const Sag&) const = default;
-  bool operator==(const Sag&) const = default;
 };
 
 /// From here on, downstream, the pipe has another diameter: a step with a plane face.
@@ -86,7 +83,6 @@ struct DiameterChange {
   double diameter_m{};
   Alignment alignment{Alignment::kInvert};
 
-  bool operator==(const DiameterChange&) const = default;
   bool operator==(const DiameterChange&) const = default;
 };
 
@@ -101,7 +97,6 @@ struct Inlet {
   double angle_rad{std::numbers::pi / 2.0};
   double protrusion_m{};  ///< how far its end stands into the pipe, 0 if flush
 
-  bool operator==(const Inlet&) const = default;
   bool operator==(const Inlet&) const = default;
 };
 
@@ -122,7 +117,6 @@ struct Obstacle {
   double width_m{};     ///< across: a stone's foot, a brick's side, a ridge's arc; 0: full ring
 
   bool operator==(const Obstacle&) const = default;
-  bool operator==(const Obstacle&) const = default;
 };
 
 /// Damage planted on a wall: it is seen, and it is what the fault detector is judged against.
@@ -136,7 +130,6 @@ struct Fault {
   double width_m{0.005};  ///< opening of a crack; extent around the wall of anything else
 
   bool operator==(const Fault&) const = default;
-  bool operator==(const Fault&) const = default;
 };
 
 /// A point where a pipe's centre line turns, rounded by an arc.
@@ -144,7 +137,6 @@ struct Bend {
   Eigen::Vector2d p_W{Eigen::Vector2d::Zero()};  ///< where the two straight legs would meet [m]
   double radius_m{};                             ///< of the centre line, > diameter / 2
 
-  bool operator==(const Bend&) const = default;
   bool operator==(const Bend&) const = default;
 };
 
@@ -173,7 +165,6 @@ struct Pipe {
   /// Inner diameter at its end in this manhole.
   [[nodiscard]] double DiameterIn(const std::string& manhole) const;
 
-  bool operator==(const Pipe&) const = default;
   bool operator==(const Pipe&) const = default;
 };
 
