@@ -134,6 +134,26 @@ std::string DrawPipeBody(const PlanView& view, const network::PipeAxis& axis,
                                       view.Pixels(pipe.diameter_m, kThinnestPipe_px)));
 }
 
+/// Links that are not built, between those of their ends that the network has.
+std::string DrawUnbuilt(const PlanView& view, const network::Network& network) {
+  std::string svg;
+  for (const network::SkippedLink& link : network.skipped) {
+    Polyline line;
+    const auto add = [&](const Eigen::Vector2d& p_W) {
+      const Eigen::Vector2d p = view(p_W);
+      line.Add(p.x(), p.y());
+    };
+    const auto from = network.FindManhole(link.upstream), to = network.FindManhole(link.downstream);
+    if (!from || !to) continue;
+    add(network.manholes[*from].p_WM.head<2>());
+    for (const Eigen::Vector2d& p_W : link.via_W) add(p_W);
+    add(network.manholes[*to].p_WM.head<2>());
+    svg += fmt::format("<g><title>{}: {}, not enterable</title>{}</g>", Escape(link.name),
+                       Escape(link.reason), line.Svg("unbuilt"));
+  }
+  return svg;
+}
+
 /// Joints, inlets and faults of a pipe, where the scale leaves room for them.
 std::string DrawPipeDetail(const PlanView& view, const network::PipeAxis& axis,
                            const network::Pipe& pipe) {
@@ -522,8 +542,9 @@ std::string PlanSvg(const Scenario& scenario, const MissionTrace& trace, double 
   }
   return OpenSvg(width_px, view.height_px() + 20.0, "plan",
                  "The network from above with the true and the estimated path") +
-         bodies + manholes + details + faults + DrawPaths(view, scenario, trace) +
-         DrawFramePins(view, trace) + DrawScale(view, view.height_px() + 20.0) + "</svg>";
+         DrawUnbuilt(view, shown) + bodies + manholes + details + faults +
+         DrawPaths(view, scenario, trace) + DrawFramePins(view, trace) +
+         DrawScale(view, view.height_px() + 20.0) + "</svg>";
 }
 
 std::string TimeSvg(const Scenario& scenario, const MissionTrace& trace, double width_px) {

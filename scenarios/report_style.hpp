@@ -44,6 +44,7 @@ svg{display:block;width:100%;height:auto;font:12px ui-sans-serif,system-ui,-appl
 Arial,"DejaVu Sans",sans-serif;font-variant-numeric:tabular-nums;overflow:visible}
 .narrow{display:none}
 .pipe{fill:none;stroke:var(--pipe);stroke-linejoin:round}
+.unbuilt{fill:none;stroke:var(--faint);stroke-width:3;stroke-dasharray:3 5}
 .manhole{fill:var(--shaft)}
 .terminal{stroke:var(--ink);stroke-width:1.6}
 .joint{stroke:var(--faint);stroke-width:1;opacity:.65}

@@ -86,6 +86,7 @@ TEST(Report, EscapesEveryNameFromAFile) {
     for (network::Fault& fault : pipe.faults) fault.name += evil;
     for (network::Inlet& inlet : pipe.inlets) inlet.name += evil;
   }
+  scenario.network.skipped = {{evil, "S" + evil, "B" + evil, evil}};
   scenario.start.manhole += evil;
   scenario.start.pipe += evil;
   scenario.goal += evil;
@@ -106,6 +107,16 @@ TEST(Report, EscapesEveryNameFromAFile) {
   const std::string html = Report(scenario, trace);
   EXPECT_THAT(html, Not(HasSubstr("<script")));
   EXPECT_THAT(html, HasSubstr("&lt;script&gt;"));
+}
+
+TEST(Report, DrawsWhatIsInTheMapButNotBuilt) {
+  Scenario scenario = TeeScenario();
+  scenario.network.skipped = {{"egg", "S", "B", "not circular (EGG)", 20.0, 0.9, {{1.0, 2.0}}},
+                              {"lost", "S", "nowhere", "undefined node: nowhere"}};
+  const std::string html = Report(scenario, PerfectMission());
+  EXPECT_THAT(html, HasSubstr("<title>egg: not circular (EGG), not enterable</title>"));
+  EXPECT_THAT(html, HasSubstr("class=\"unbuilt\""));
+  EXPECT_THAT(html, Not(HasSubstr("<title>lost")));
 }
 
 TEST(Report, StandsWithoutPicturesEstimatesOrFaults) {
