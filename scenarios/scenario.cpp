@@ -96,10 +96,13 @@ const network::Pipe& ParsePipe(const YamlNode& node, const network::Network& net
   if (!index) throw node.Error(fmt::format("the network has no pipe \"{}\"", name));
   const network::Pipe& pipe = network.pipes[*index];
   if (!network::IsEnterable(pipe)) {
+    std::string sizes = fmt::format("{:.0f}", pipe.diameter_m * 1000.0);
+    for (const network::DiameterChange& change : pipe.diameter_changes) {
+      sizes += fmt::format(", then {:.0f}", change.diameter_m * 1000.0);
+    }
     throw node.Error(fmt::format(
-        "pipe \"{}\" of {:.0f} mm is not one that KANTARO can enter ({:.0f} to {:.0f} mm)", name,
-        pipe.diameter_m * 1000.0, network::kSmallestEnterable_m * 1000.0,
-        network::kLargestEnterable_m * 1000.0));
+        "pipe \"{}\" of {} mm is not one that KANTARO can enter ({:.0f} to {:.0f} mm)", name, sizes,
+        network::kSmallestEnterable_m * 1000.0, network::kLargestEnterable_m * 1000.0));
   }
   return pipe;
 }

@@ -160,6 +160,19 @@ TEST(Neighbourhood, KeepsEveryPipeThatBeginsWithinReach) {
   EXPECT_EQ(part.skipped[0].name, "weir");
 }
 
+TEST(Neighbourhood, KeepsEverythingInItsPipesAndManholes) {
+  const Network whole = RandomSewer(7);
+  const Network part = Neighbourhood(whole, {"M1"}, 1.0);
+  ASSERT_EQ(part.pipes.size(), 2u);
+  EXPECT_TRUE(part.pipes[0] == whole.pipes[0] && part.pipes[1] == whole.pipes[1]);
+  ASSERT_EQ(part.manholes.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    Manhole manhole = whole.manholes[i];
+    manhole.shaft_diameter_m = whole.ShaftDiameter(manhole);
+    EXPECT_TRUE(part.manholes[i] == manhole);
+  }
+}
+
 TEST(Neighbourhood, LeavesShaftsAsWideAsInTheWhole) {
   const Network part =
       Neighbourhood(Row(), {"X"}, 1.0);  // C keeps BX and XC, loses the 500 mm pipe

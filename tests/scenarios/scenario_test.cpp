@@ -113,6 +113,22 @@ TEST(PlannedRoute, PassesTheManholesInBetween) {
   EXPECT_THAT(PipesOf(PlannedRoute(scenario)), testing::ElementsAre("S-M1", "M1-M2", "M2-E"));
 }
 
+TEST(Scenario, NamesEveryDiameterOfAPipeThatDoesNotFit) {
+  const auto widened = [](const std::filesystem::path&) {
+    network::Network network = TeeNetwork();
+    network.pipes[0].diameter_changes = {{1.0, 0.400}};
+    return network;
+  };
+  try {
+    static_cast<void>(ParseScenario(kTee, "tee.yaml", widened));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "tee.yaml:3: start.pipe: pipe \"S-M1\" of 300, then 400 mm is not one that "
+                 "KANTARO can enter (200 to 350 mm)");
+  }
+}
+
 TEST(Scenario, RefusesAWayThatTurnsBack) {
   EXPECT_EQ(Refusal(std::string(kTee) + "via: [E]\n"),
             "folder/tee.yaml:4: goal: the way there turns by 180° in manhole \"E\", from pipe "
