@@ -14,7 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::memcpy(bytes, data, size < sizeof(bytes) ? size : sizeof(bytes));
   network::GeneratorOptions options;
   options.layout = static_cast<network::Layout>(bytes[0] % 3);
-  options.pipes = 1 + (bytes[1] + 256 * bytes[2]) % 600;
+  options.pipes = 1 + (bytes[1] + 256 * bytes[2]) % 120;
   options.spacing_m = network::kShortestManholeSpacing_m + bytes[3] + bytes[4] / 256.0;
   std::memcpy(&options.seed, bytes + 5, sizeof(options.seed));
 
