@@ -29,7 +29,10 @@ Conditions DrawConditions(const Scenario& scenario, std::uint64_t seed) {
       scenario.start.chainage_m + DrawEitherWay(seed, "start_offset", variation.start_offset_m),
       0.0, start_pipe_m);
   conditions.start_yaw_rad = DrawEitherWay(seed, "start_yaw", variation.start_yaw_rad);
-  conditions.friction = Draw(seed, "friction", variation.friction.low, variation.friction.high);
+  if (variation.friction)
+    conditions.friction = Draw(seed, "friction", variation.friction->low, variation.friction->high);
+  conditions.friction_factor =
+      Draw(seed, "friction_factor", variation.friction_factor.low, variation.friction_factor.high);
   const std::uint64_t texture_seed = variation.texture ? seed : 0;
   conditions.texture =
       RandomStream(texture_seed, "variation.texture").Index(std::uint64_t{1} << 32);

@@ -228,7 +228,9 @@ std::string ConditionFacts(const Scenario& scenario, const Conditions& condition
       {"Seed", std::to_string(conditions.seed)},
       {"Start", ToWords({scenario.start.pipe, "", conditions.start_chainage_m})},
       {"Start yaw", fmt::format("{:+.1f}°", conditions.start_yaw_rad * 180.0 / std::numbers::pi)},
-      {"Friction, tyre on wall", fmt::format("{:.2f}", conditions.friction)},
+      {"Friction, tyre on wall",
+       conditions.friction ? fmt::format("{:.2f}", *conditions.friction)
+                           : fmt::format("{:.2f} of the walls' own", conditions.friction_factor)},
       {"Motors, left against right", fmt::format("{:+.1f} %", 200.0 * conditions.motor_mismatch)},
       {"Lights", fmt::format("{:.0f} %", 100.0 * conditions.light)},
       {"Wall texture", fmt::format("{:08x}", conditions.texture)}};

@@ -49,7 +49,8 @@ class Loop {
         perception_parameters_(
             perception::ReadParameters(scenario.robot_folder / "perception.yaml")),
         world_(sim::BuildWorld(scenario.network, conditions.texture,
-                               scenario.blind.count(Sense::kCameras) == 0)),
+                               scenario.blind.count(Sense::kCameras) == 0,
+                               sim::ReadGripTable(scenario.materials_file))),
         twin_(world_, description_, TwinConditions(scenario, conditions)),
         hardware_(twin_, scenario.blind),
         perception_(description_, perception_parameters_),

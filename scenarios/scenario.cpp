@@ -50,8 +50,8 @@ void ReadIfGiven(const YamlNode& map, std::string_view key, Value& value, const 
 }
 
 Variation ParseVariation(const YamlNode& node) {
-  node.AllowOnly({"start_offset_mm", "start_yaw_deg", "friction", "motor_mismatch_percent",
-                  "map_error_percent", "texture", "light"});
+  node.AllowOnly({"start_offset_mm", "start_yaw_deg", "friction", "friction_factor",
+                  "motor_mismatch_percent", "map_error_percent", "texture", "light"});
   Variation variation;
   ReadIfGiven(node, "start_offset_mm", variation.start_offset_m,
               [](const YamlNode& n) { return n.Number(0.0, 10000.0) / 1000.0; });
@@ -59,6 +59,12 @@ Variation ParseVariation(const YamlNode& node) {
               [](const YamlNode& n) { return n.Number(0.0, 45.0) * kDegree; });
   ReadIfGiven(node, "friction", variation.friction,
               [](const YamlNode& n) { return ParseInterval(n, 0.01, 2.0); });
+  ReadIfGiven(node, "friction_factor", variation.friction_factor,
+              [](const YamlNode& n) { return ParseInterval(n, 0.1, 10.0); });
+  if (variation.friction && node.Find("friction_factor")) {
+    throw node["friction_factor"].Error(
+        "\"friction\" already sets the friction everywhere: give one of the two");
+  }
   ReadIfGiven(node, "motor_mismatch_percent", variation.motor_mismatch,
               [](const YamlNode& n) { return n.Number(0.0, 20.0) / 100.0; });
   ReadIfGiven(node, "map_error_percent", variation.map_error,
@@ -228,8 +234,8 @@ Scenario AroundItsRoute(const Scenario& scenario) {
 Scenario ParseScenario(const std::string& text, const std::filesystem::path& name,
                        const NetworkReader& read_network) {
   const YamlNode root = YamlNode::Parse(text, name);
-  root.AllowOnly({"name", "description", "network", "robot", "start", "goal", "via", "time_limit_s",
-                  "variation", "limits", "blind"});
+  root.AllowOnly({"name", "description", "network", "robot", "materials", "start", "goal", "via",
+                  "time_limit_s", "variation", "limits", "blind"});
   Scenario scenario;
   scenario.file = name;
   scenario.name = ParseName(root["name"]);
@@ -238,6 +244,8 @@ Scenario ParseScenario(const std::string& text, const std::filesystem::path& nam
   scenario.network_file = ParsePath(root["network"]);
   scenario.robot_folder = (name.parent_path() / "../models/kantaro").lexically_normal();
   ReadIfGiven(root, "robot", scenario.robot_folder, ParsePath);
+  scenario.materials_file = (scenario.robot_folder / "../materials.yaml").lexically_normal();
+  ReadIfGiven(root, "materials", scenario.materials_file, ParsePath);
   scenario.time_limit_s = root["time_limit_s"].Number(1.0, 86400.0);
   ReadIfGiven(root, "variation", scenario.variation, ParseVariation);
   ReadIfGiven(root, "limits", scenario.limits, ParseLimits);

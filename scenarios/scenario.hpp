@@ -28,9 +28,10 @@ struct Interval {
 
 /// What a seed may change. The defaults change nothing.
 struct Variation {
-  double start_offset_m{};      ///< the start moves along the pipe by up to this, either way
-  double start_yaw_rad{};       ///< and turns by up to this, either way
-  Interval friction{0.7, 0.7};  ///< tyre on wall; dry plastic
+  double start_offset_m{};             ///< the start moves along the pipe by up to this, either way
+  double start_yaw_rad{};              ///< and turns by up to this, either way
+  std::optional<Interval> friction;    ///< tyre on wall, the same everywhere; absent: the ground's
+  Interval friction_factor{1.0, 1.0};  ///< times the ground's friction
   double motor_mismatch{};  ///< left motors run faster and right ones slower by up to this share,
                             ///< or the reverse
   double map_error{};   ///< the map's pipe lengths are off by up to this share, all too long or all
@@ -62,7 +63,8 @@ struct Scenario {
   std::string description;
   std::filesystem::path network_file;
   std::filesystem::path robot_folder;  ///< holds kantaro.urdf and its companions
-  network::Network network;            ///< the truth
+  std::filesystem::path materials_file;
+  network::Network network;  ///< the truth
   Start start;
   std::string goal;              ///< manhole where the mission ends
   std::vector<std::string> via;  ///< manholes to pass, in order

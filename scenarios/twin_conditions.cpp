@@ -11,6 +11,7 @@ sim::Conditions TwinConditions(const Scenario& scenario, const Conditions& condi
                 conditions.start_yaw_rad};
   twin.seed = conditions.seed;
   twin.wheel_friction = conditions.friction;
+  twin.friction_factor = conditions.friction_factor;
   twin.left_right_mismatch = conditions.motor_mismatch;
   twin.light = conditions.light;
   // For the widest pipe of the route: set lower, its crown would lie beyond the laser's threshold.

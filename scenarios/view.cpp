@@ -87,7 +87,7 @@ FolderFiles RenderView(const Scenario& scenario, const std::string& pipe, double
   const network::Pipe& there = scenario.network.PipeNamed(pipe);
   const sim::World world = sim::BuildWorld(
       network::Neighbourhood(scenario.network, {there.upstream, there.downstream}, 10.0),
-      conditions.texture, true);
+      conditions.texture, true, sim::ReadGripTable(scenario.materials_file));
   sim::Conditions twin_conditions = TwinConditions(scenario, conditions);
   twin_conditions.start = {pipe, chainage_m, leg == route.end() || leg->downstream, 0.0, 0.0};
   sim::Twin twin(world, description, twin_conditions);

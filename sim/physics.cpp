@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <numbers>
 #include <stdexcept>
 
@@ -13,19 +15,78 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 constexpr double kSettle_s = 1.0;
+/// Steps from one look at the ground to the next: 10 ms, in which a wheel goes 1.5 mm.
+constexpr int kGroundEvery = 5;
 
 Vector3d ToEigen(const mjtNum* v) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
 
 Physics::Physics(const VoidField& field, const robot::Description& description,
-                 const PhysicsOptions& options)
+                 const PhysicsOptions& options, GroundAt ground)
     : field_(field),
+      description_(description),
+      options_(options),
+      ground_(std::move(ground)),
       model_(BuildRobotModel(description, options)),
       data_(mj_makeData(model_.get())),
       binding_(model_.get(), &field) {
-  for (std::size_t i = 0; i < wheel_joint_.size(); ++i) {
-    wheel_joint_[i] = mj_name2id(model_.get(), mjOBJ_JOINT, description.wheels[i].c_str());
+  for (std::size_t i = 0; i < wheels_.size(); ++i) {
+    const std::string& name = description.wheels[i];
+    const robot::Tyre& tyre = description.tyres.at(name);
+    Wheel& wheel = wheels_[i];
+    wheel.joint = mj_name2id(model_.get(), mjOBJ_JOINT, name.c_str());
+    wheel.body = model_->jnt_bodyid[wheel.joint];
+    wheel.geom = model_->body_geomadr[wheel.body];
+    wheel.wading = {tyre.radius_m, 2.0 * tyre.tread_radius_m};
+  }
+}
+
+void Physics::StandOn(int geom, const Footing& footing) {
+  const auto wheel = std::find_if(wheels_.begin(), wheels_.end(),
+                                  [&](const Wheel& candidate) { return candidate.geom == geom; });
+  const auto set_friction = [&](std::optional<double> everywhere, double here) {
+    model_->geom_friction[3 * geom] = everywhere.value_or(options_.friction_factor * here);
+  };
+  if (wheel == wheels_.end()) {
+    set_friction(options_.hull_friction, footing.grip.hull_friction);
+    return;
+  }
+  set_friction(options_.wheel_friction, footing.grip.tyre_friction);
+  model_->dof_frictionloss[model_->jnt_dofadr[wheel->joint]] = RollingLoss_Nm(
+      description_, options_.rolling_resistance_m.value_or(footing.grip.rolling_resistance_m));
+  mjtNum* force_W = data_->xfrc_applied + 6 * static_cast<std::ptrdiff_t>(wheel->body);
+  if (footing.water_m <= 0.0) return;
+  std::array<mjtNum, 6> velocity{};  // turning, then moving, in W
+  mj_objectVelocity(model_.get(), data_.get(), mjOBJ_BODY, wheel->body, velocity.data(), 0);
+  const double speed = std::hypot(velocity[3], velocity[4]);
+  if (speed > 0.0) {
+    const double drag_N = WadingDrag_N(wheel->wading, footing.water_m, speed);
+    for (int i = 0; i < 2; ++i)
+      force_W[i] = -drag_N * velocity[static_cast<std::size_t>(3 + i)] / speed;
+  }
+  force_W[2] = WadingLift_N(wheel->wading, footing.water_m);
+}
+
+void Physics::FeelGround() {
+  // The deepest contact of each shape tells what it stands on; in the air it keeps its friction.
+  mju_zero(data_->xfrc_applied, 6 * model_->nbody);
+  std::map<int, const mjContact*> deepest;
+  for (int i = 0; i < data_->ncon; ++i) {
+    const mjContact& contact = data_->contact[i];
+    const mjContact*& kept = deepest[contact.geom2];
+    if (kept == nullptr || contact.dist < kept->dist) kept = &contact;
+  }
+  for (const auto& [geom, contact] : deepest) StandOn(geom, ground_(ToEigen(contact->pos)));
+}
+
+void Physics::ForgetGround() {
+  steps_until_ground_ = 0;
+  if (!ground_) return;
+  mju_zero(data_->xfrc_applied, 6 * model_->nbody);
+  const Footing usual{{kUsualWheelFriction, kUsualHullFriction, kUsualRollingResistance_m}, 0.0};
+  for (int geom = 0; geom < model_->ngeom; ++geom) {
+    if (model_->geom_type[geom] != mjGEOM_ELLIPSOID) StandOn(geom, usual);
   }
 }
 
@@ -53,6 +114,7 @@ void Physics::Place(const Sewer& sewer, const StartPose& start) {
   const double heading = start.facing_downstream ? 0.0 : std::numbers::pi;
 
   mj_resetData(model_.get(), data_.get());
+  ForgetGround();
   const auto place = [&](double down_m) {
     const Isometry3d X_WB = X_WP * Eigen::AngleAxisd(heading, Vector3d::UnitZ()) *
                             Eigen::AngleAxisd(start.roll_rad, Vector3d::UnitX()) *
@@ -90,6 +152,10 @@ void Physics::Drive(double left_rad_s, double right_rad_s) {
 }
 
 void Physics::Step() {
+  if (ground_ && --steps_until_ground_ <= 0) {
+    FeelGround();
+    steps_until_ground_ = kGroundEvery;
+  }
   mj_step(model_.get(), data_.get());
   for (const int kind : {mjWARN_INERTIA, mjWARN_CONTACTFULL, mjWARN_CNSTRFULL, mjWARN_BADQPOS,
                          mjWARN_BADQVEL, mjWARN_BADQACC, mjWARN_BADCTRL}) {
@@ -113,7 +179,7 @@ Vector3d Physics::VelocityOfBase() const { return ToEigen(data_->qvel); }
 std::array<double, 4> Physics::WheelAngles() const {
   std::array<double, 4> angles{};
   for (std::size_t i = 0; i < angles.size(); ++i)
-    angles[i] = data_->qpos[model_->jnt_qposadr[wheel_joint_[i]]];
+    angles[i] = data_->qpos[model_->jnt_qposadr[wheels_[i].joint]];
   return angles;
 }
 

@@ -6,6 +6,7 @@
 
 #include "robot/description.hpp"
 #include "sim/contact.hpp"
+#include "sim/ground.hpp"
 #include "sim/robot_model.hpp"
 #include "sim/sewer.hpp"
 
@@ -23,9 +24,10 @@ struct StartPose {
 /// The robot's body in the sewer: dynamics and contact, no sensors.
 class Physics {
  public:
-  /// The field must outlive the physics.
+  /// The field must outlive the physics. Without a ground, it is the same everywhere: as the
+  /// options say, or dry plastic.
   Physics(const VoidField& field, const robot::Description& description,
-          const PhysicsOptions& options);
+          const PhysicsOptions& options, GroundAt ground = {});
 
   /// Puts the robot on its wheels, lets the springs settle for a second with braked wheels, and
   /// sets time to zero.
@@ -54,12 +56,26 @@ class Physics {
   /// Least distance of the wheels' treads to the wall in the present pose, negative if one
   /// overlaps.
   [[nodiscard]] double WheelClearance();
+  /// Gives each wheel and box the friction of what it touches, and wheels the resistance and the
+  /// lift of the water they stand in.
+  void FeelGround();
+  void StandOn(int geom, const Footing& footing);
+  void ForgetGround();
+
+  struct Wheel {
+    int geom{}, body{}, joint{};
+    WadingWheel wading;
+  };
 
   const VoidField& field_;
+  const robot::Description description_;
+  const PhysicsOptions options_;
+  const GroundAt ground_;
   ModelPointer model_;
   DataPointer data_;
   ContactBinding binding_;
-  std::array<int, 4> wheel_joint_{};
+  std::array<Wheel, 4> wheels_{};
+  int steps_until_ground_{};
 };
 
 }  // namespace kantaro::sim

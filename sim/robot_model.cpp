@@ -107,24 +107,23 @@ class Writer {
           joint.name, Numbers(joint.axis_J), joint.lower, joint.upper, spring.stiffness_N_m,
           spring.damping_Ns_m, spring.rest_position_m);
     } else if (joint.type == JointType::kContinuous) {
-      const double load_N =
-          description_.TotalMass_kg() * 9.81 / static_cast<double>(description_.wheels.size());
       text_ += fmt::format(
           "<joint name=\"{}\" type=\"hinge\" axis=\"{}\" limited=\"false\" armature=\"{}\" "
           "frictionloss=\"{}\"/>\n",
           joint.name, Numbers(joint.axis_J), description_.motors.at(joint.name).rotor_inertia_kg_m2,
-          options_.rolling_resistance_m * load_N);
+          RollingLoss_Nm(description_,
+                         options_.rolling_resistance_m.value_or(kUsualRollingResistance_m)));
     }
   }
 
   void WriteShape(const robot::Shape& shape, const Joint* joint) {
     std::string form;
-    double friction = options_.hull_friction;
+    double friction = options_.hull_friction.value_or(kUsualHullFriction);
     if (joint != nullptr && description_.tyres.contains(joint->name)) {
       const robot::Tyre& tyre = description_.tyres.at(joint->name);
       form = fmt::format("type=\"cylinder\" size=\"{} {}\" user=\"{}\"", tyre.radius_m,
                          tyre.tread_radius_m, tyre.tread_radius_m);
-      friction = options_.wheel_friction;
+      friction = options_.wheel_friction.value_or(kUsualWheelFriction);
     } else if (const auto* box = std::get_if<robot::Box>(&shape.geometry)) {
       form = fmt::format("type=\"box\" size=\"{}\"", Numbers(0.5 * box->size_m));
     } else {
@@ -171,6 +170,12 @@ ModelPointer BuildRobotModel(const Description& description, const PhysicsOption
   mj_deleteVFS(files.get());
   if (!model) throw std::runtime_error(fmt::format("MuJoCo refuses the robot: {}", error.data()));
   return model;
+}
+
+double RollingLoss_Nm(const Description& description, double rolling_resistance_m) {
+  constexpr double kGravity_m_s2 = 9.81;
+  return rolling_resistance_m * description.TotalMass_kg() * kGravity_m_s2 /
+         static_cast<double>(description.wheels.size());
 }
 
 Isometry3d MountPose(const Description& description, const std::string& link,

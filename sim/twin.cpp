@@ -38,7 +38,8 @@ std::int64_t StepsPer(double rate_Hz, const char* sensor) {
 
 }  // namespace
 
-World BuildWorld(const network::Network& network, std::uint64_t texture_seed, bool cameras) {
+World BuildWorld(const network::Network& network, std::uint64_t texture_seed, bool cameras,
+                 const std::optional<GripTable>& grips) {
   World world;
   const auto sewer = std::make_shared<const Sewer>(BuildSewer(network));
   const SurfaceMesh mesh = Tessellate(sewer->voids, sewer->solids);
@@ -49,6 +50,7 @@ World BuildWorld(const network::Network& network, std::uint64_t texture_seed, bo
     options.seed = texture_seed;
     world.scenery = std::make_shared<const Scenery>(*sewer, mesh, options);
   }
+  if (grips) world.ground = std::make_shared<const SewerGround>(*sewer, *world.field, *grips);
   world.sewer = sewer;
   return world;
 }
@@ -59,7 +61,8 @@ class Twin::Impl {
       : world_(std::move(world)),
         description_(description),
         conditions_(conditions),
-        physics_(*world_.field, description_, MakePhysicsOptions()),
+        physics_(*world_.field, description_, MakePhysicsOptions(),
+                 world_.ground ? GroundAt(*world_.ground) : GroundAt()),
         laser_(description_.laser, *world_.rays, RandomStream(conditions.seed, "sensor.laser")),
         infrared_noise_(conditions.seed, "sensor.infrared"),
         inertial_noise_(conditions.seed, "sensor.inertial"),
@@ -128,6 +131,7 @@ class Twin::Impl {
     PhysicsOptions options;
     options.timestep_s = Seconds(kStep);
     options.wheel_friction = conditions_.wheel_friction;
+    options.friction_factor = conditions_.friction_factor;
     options.mast_height_m = description_.MastHeight(conditions_.mast_diameter_m);
     return options;
   }

@@ -20,17 +20,21 @@ struct World {
   std::shared_ptr<const VoidField> field;
   std::shared_ptr<const RayCaster> rays;
   std::shared_ptr<const Scenery> scenery;  ///< null in a world without cameras
+  /// Null in a world that is dry plastic everywhere.
+  std::shared_ptr<const SewerGround> ground;
 };
 
 /// @param texture_seed  of the walls' look. @param cameras  whether the world will be seen.
+/// @param grips  what its walls offer; absent: dry plastic everywhere.
 [[nodiscard]] World BuildWorld(const network::Network& network, std::uint64_t texture_seed,
-                               bool cameras);
+                               bool cameras, const std::optional<GripTable>& grips = {});
 
 /// What a run's seed decides about the robot and its contact with the world.
 struct Conditions {
   StartPose start;
-  std::uint64_t seed{};        ///< of every sensor's noise
-  double wheel_friction{0.7};  ///< tyre on wall
+  std::uint64_t seed{};                  ///< of every sensor's noise
+  std::optional<double> wheel_friction;  ///< tyre on wall, whatever the ground
+  double friction_factor{1.0};           ///< times the ground's friction
   double
       left_right_mismatch{};  ///< left motors turn this share faster than told, right ones slower
   double light{1.0};          ///< LED brightness against the nominal

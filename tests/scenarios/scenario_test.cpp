@@ -172,6 +172,7 @@ TEST(Conditions, StayWithinWhatTheScenarioAllows) {
     EXPECT_LE(std::abs(conditions.start_yaw_rad), scenario.variation.start_yaw_rad);
     EXPECT_GE(conditions.friction, 0.4);
     EXPECT_LE(conditions.friction, 0.8);
+    EXPECT_EQ(conditions.friction_factor, 1.0);
     ASSERT_EQ(conditions.map_scale.size(), 4u);
     for (const auto& [pipe, scale] : conditions.map_scale) {
       EXPECT_NEAR(scale, 1.0, 0.05);
@@ -187,7 +188,8 @@ TEST(Conditions, ChangeNothingByDefault) {
   const Conditions conditions = DrawConditions(scenario, 3);
   EXPECT_EQ(conditions.start_chainage_m, 0.5);
   EXPECT_EQ(conditions.start_yaw_rad, 0.0);
-  EXPECT_EQ(conditions.friction, 0.7);
+  EXPECT_FALSE(conditions.friction);  // the ground decides
+  EXPECT_EQ(conditions.friction_factor, 1.0);
   EXPECT_EQ(conditions.texture, DrawConditions(scenario, 4).texture);
   EXPECT_EQ(conditions.light, 1.0);
 }
