@@ -19,7 +19,8 @@ struct Footing {
 using GroundAt = std::function<Footing(const Eigen::Vector3d& p_W)>;
 
 /// The ground of a sewer: pipes as their material and condition say, manholes concrete in the worst
-/// condition of the pipes that end in them. Under water a wall is wet at least.
+/// condition of the pipes that end in them; beds are sediment, and all else that stands in a pipe
+/// is like concrete, in the pipe's condition. Under water everything is wet at least.
 class SewerGround {
  public:
   /// @param field  of this sewer. Both must outlive the ground.
@@ -33,9 +34,14 @@ class SewerGround {
     Ground ground{};
     network::WallCondition condition{};
   };
-  static Surface SurfaceOf(const network::Network& network, const Part& part);
+  static Surface PartSurface(const network::Network& network, const Part& part);
 
   const VoidField& field_;
+  /// What is underfoot where this void's wall would be.
+  [[nodiscard]] Ground GroundIn(const VoidPrimitive& primitive, const Nearby& nearby,
+                                const Eigen::Vector3d& p_W) const;
+
+  const Sewer& sewer_;
   GripTable grips_;
   Water water_;
   std::vector<Surface> surfaces_;  ///< by part

@@ -32,7 +32,7 @@ network::Network Falling(double slope) {
 struct Place {
   explicit Place(const network::Network& network)
       : sewer(BuildSewer(network)),
-        field(sewer.voids),
+        field(sewer.voids, sewer.solids),
         ground(sewer, field, ReadGripTable(kShipped)) {}
 
   /// On the wall of the pipe.
@@ -144,6 +144,31 @@ TEST(Footing, IsConcreteAsWetAsItsWettestPipeInAManhole) {
             grips.At(Ground::kConcrete, WallCondition::kSlimy).tyre_friction);
   EXPECT_EQ(place.ground(Vector3d(0.0, 0.0, 0.0)).grip.tyre_friction,
             grips.At(Ground::kConcrete, WallCondition::kDry).tyre_friction);
+}
+
+// On the bed's top, on a brick's, and beside them.
+TEST(Footing, IsThatOfWhatStandsInThePipe) {
+  network::Network network = Falling(0.0);
+  using network::ObstacleKind;
+  network.pipes[0].obstacles = {{.name = "bed",
+                                 .kind = ObstacleKind::kSediment,
+                                 .chainage_m = 3.0,
+                                 .height_m = 0.02,
+                                 .length_m = 0.5},
+                                {.name = "brick",
+                                 .kind = ObstacleKind::kBrick,
+                                 .chainage_m = 5.0,
+                                 .height_m = 0.05,
+                                 .length_m = 0.2,
+                                 .width_m = 0.1}};
+  const Place place(network);
+  const GripTable grips = ReadGripTable(kShipped);
+  const auto friction = [&](Ground ground) {
+    return grips.At(ground, WallCondition::kDry).tyre_friction;
+  };
+  EXPECT_EQ(place.At(3.0, 6.0, kRadius_m - 0.020).grip.tyre_friction, friction(Ground::kSediment));
+  EXPECT_EQ(place.At(5.0, 6.0, kRadius_m - 0.050).grip.tyre_friction, friction(Ground::kConcrete));
+  EXPECT_EQ(place.At(4.0, 6.0).grip.tyre_friction, friction(Ground::kPvc));
 }
 
 // A disc of 45 mm, 24 mm thick: half of it displaces half its volume, and no more than all of it.
