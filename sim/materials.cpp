@@ -247,6 +247,92 @@ cv::Mat Rough(RandomStream& random, float contrast) {
       {kTile, kTile}, [&](int row) { SetRow(row, grain, lumps, grit); }, texel);
 }
 
+/// A wall under a biofilm: dark, smooth and lumpy below the springing line, in tongues above it.
+cv::Mat Slime(RandomStream& random, float contrast) {
+  const cv::Size size(2048, 1024);
+  NoiseAt grain(Grain(random)), fine(FineGrain(random, kTile / 4));
+  NoiseAt mottle(Noise(random, size, {128, 64})), lumps(Noise(random, size, {64, 32}));
+  NoiseAt clouds(Noise(random, size, {16, 8})), tongues(Noise(random, size, {128, 4}));
+  NoiseAt level(Noise(random, {size.width, 8}, {8, 1}));
+  level.Row(0);
+  float turns_from_invert = 0.0f;
+  const auto set_row = [&](int row) {
+    SetRow(row, grain, fine, mottle, lumps, clouds, tongues);
+    turns_from_invert =
+        std::abs((static_cast<float>(row) + 0.5f) / static_cast<float>(size.height) - 0.5f);
+  };
+  const auto texel = [&](int col) -> Texel {
+    const float rim = 0.25f + contrast * (0.02f * level[col] + 0.012f * tongues[col] +
+                                          0.02f * clouds[col] + 0.010f * mottle[col]);
+    const float cover = Ramp(rim - turns_from_invert, -0.02f, 0.02f);
+    const float wall = 0.58f + contrast * (0.06f * clouds[col] + 0.05f * mottle[col] +
+                                           0.04f * fine[col] + 0.05f * grain[col]);
+    const float slime = 0.24f + contrast * (0.05f * clouds[col] + 0.05f * lumps[col] +
+                                            0.03f * mottle[col] + 0.02f * fine[col]);
+    return {
+        wall + (slime - wall) * cover,
+        contrast * (0.3f * grain[col] * (1.0f - cover) +
+                    cover * (2.5f * lumps[col] + 1.8f * mottle[col] + 0.5f * fine[col] + 1.0f))};
+  };
+  return Pack(size, set_row, texel);
+}
+
+/// Sand with pebbles of 1 to 7 mm.
+cv::Mat Gravel(RandomStream& random, float contrast) {
+  const cv::Size size(kTile, kTile);
+  NoiseAt grain(Grain(random)), sand(FineGrain(random, kTile / 2));
+  NoiseAt hollows(Noise(random, size, {16, 16}));
+  cv::Mat pebbles = Specks(random, size, 700, 1.5, 9.0), domes;
+  cv::copyMakeBorder(pebbles, domes, 16, 16, 16, 16, cv::BORDER_WRAP);
+  cv::GaussianBlur(domes, domes, {}, 2.0);
+  domes = domes(cv::Rect({16, 16}, size)).clone();
+  MaskAt tones(pebbles), heights(domes);
+  const auto texel = [&](int col) -> Texel {
+    return {0.55f + contrast * (0.10f * grain[col] + 0.06f * sand[col] + 0.05f * hollows[col] +
+                                0.45f * (tones[col] - 0.4f) * Ramp(tones[col], 0.1f, 0.3f)),
+            contrast * (1.0f * grain[col] + 1.2f * sand[col] + 3.0f * hollows[col] +
+                        14.0f * heights[col])};
+  };
+  return Pack(
+      size, [&](int row) { SetRow(row, grain, sand, hollows, tones, heights); }, texel);
+}
+
+Look DryLook(network::Material material) {
+  using network::Material;
+  switch (material) {
+    case Material::kPvc:
+      return {Pattern::kPipeWall, {0.80f, 0.76f, 0.67f}, 0.30f, 0.15f};
+    case Material::kClay:
+      return {Pattern::kPipeWall, {0.62f, 0.33f, 0.19f}, 0.55f, 0.20f};
+    case Material::kConcrete:
+      return {Pattern::kPipeWall, {0.62f, 0.58f, 0.50f}, 0.12f, 0.3f};
+    case Material::kLined:
+      return {Pattern::kPipeWall, {0.86f, 0.87f, 0.80f}, 0.50f, 0.1f};
+  }
+  return {};
+}
+
+/// Porous surfaces darken most when they are wet, a glaze hardly.
+Look Moistened(Look look, network::WallCondition condition, bool porous) {
+  switch (condition) {
+    case network::WallCondition::kDry:
+      break;
+    case network::WallCondition::kWet:
+      look.colour *= porous ? 0.62f : 0.80f;
+      look.gloss = std::max(look.gloss, 0.6f);
+      look.relief = std::max(look.relief, 0.2f);
+      look.film = 1.0f;
+      break;
+    case network::WallCondition::kSlimy:
+      look.colour = look.colour.cwiseProduct(Eigen::Vector3f(0.62f, 0.66f, 0.46f));
+      look.gloss = 0.5f;
+      look.relief = std::max(look.relief, 0.5f);
+      look.film = 1.0f;
+      break;
+  }
+  return look;
+}
+
 }  // namespace
 
 cv::Mat MakePattern(Pattern pattern, std::uint64_t seed, double contrast) {
@@ -260,6 +346,14 @@ cv::Mat MakePattern(Pattern pattern, std::uint64_t seed, double contrast) {
       RandomStream random(seed, "texture concrete");
       return Concrete(random, strength);
     }
+    case Pattern::kSlime: {
+      RandomStream random(seed, "texture slime");
+      return Slime(random, strength);
+    }
+    case Pattern::kGravel: {
+      RandomStream random(seed, "texture gravel");
+      return Gravel(random, strength);
+    }
     case Pattern::kRough:
       break;
   }
@@ -267,19 +361,31 @@ cv::Mat MakePattern(Pattern pattern, std::uint64_t seed, double contrast) {
   return Rough(random, strength);
 }
 
-Look PipeWallLook(network::Material material) {
-  using network::Material;
-  switch (material) {
-    case Material::kPvc:
-      return {Pattern::kPipeWall, {0.80f, 0.76f, 0.67f}, 0.30f, 0.15f};
-    case Material::kClay:
-      return {Pattern::kPipeWall, {0.72f, 0.42f, 0.26f}, 0.40f, 0.25f};
-    case Material::kConcrete:
-      return {Pattern::kPipeWall, {0.62f, 0.58f, 0.50f}, 0.12f, 0.3f};
-    case Material::kLined:
-      return {Pattern::kPipeWall, {0.55f, 0.60f, 0.50f}, 0.50f, 0.2f};
-  }
-  return {};
+Look PipeWallLook(network::Material material, network::WallCondition condition) {
+  Look look = Moistened(DryLook(material), condition, material == network::Material::kConcrete);
+  if (condition == network::WallCondition::kSlimy) look.pattern = Pattern::kSlime;
+  return look;
+}
+
+Look ObstacleLook(network::ObstacleKind kind, network::WallCondition condition) {
+  const auto dry = [&]() -> Look {
+    switch (kind) {
+      case network::ObstacleKind::kSediment:
+        return {Pattern::kGravel, {0.50f, 0.41f, 0.29f}, 0.05f, 0.8f};
+      case network::ObstacleKind::kStone:
+        return {Pattern::kRough, {0.50f, 0.48f, 0.45f}, 0.10f, 0.5f};
+      case network::ObstacleKind::kMortarRidge:
+        return {Pattern::kConcrete, {0.72f, 0.70f, 0.66f}, 0.05f, 0.6f};
+      case network::ObstacleKind::kBrick:
+        return {Pattern::kConcrete, {0.62f, 0.27f, 0.17f}, 0.05f, 0.5f};
+    }
+    return {};
+  };
+  return Moistened(dry(), condition, true);
+}
+
+Look StubLook(network::WallCondition condition) {
+  return Moistened({Pattern::kConcrete, {0.72f, 0.36f, 0.16f}, 0.35f, 0.05f}, condition, false);
 }
 
 }  // namespace kantaro::sim

@@ -15,9 +15,11 @@ enum class Pattern : std::uint8_t {
   kPipeWall,  ///< one period is one turn round the pipe from the crown, and two along it: the
               ///< invert's deposit is in it
   kConcrete,  ///< one period is 1 m
-  kRough      ///< lumps, dirt, roots; one period is 0.2 m
+  kRough,     ///< lumps, dirt, roots; one period is 0.2 m
+  kSlime,     ///< as kPipeWall, overgrown up to the springing line and hanging down from it
+  kGravel     ///< sand and pebbles; one period is 0.2 m
 };
-inline constexpr int kPatternCount = 3;
+inline constexpr int kPatternCount = 5;
 
 /// 8-bit, 3 channels, periodic in both directions: albedo (0 … 1), slope along the column axis and
 /// slope along the row axis (−1 … 1 about 128). Rows run round the wall, columns along it.
@@ -30,9 +32,15 @@ struct Look {
   Eigen::Vector3f colour{0.5f, 0.5f, 0.5f};  ///< of the clean surface, linear RGB
   float gloss{0.1f};                         ///< strength of highlights, 0 … 1
   float relief{1.0f};                        ///< how much of the pattern's slope shows, 0 … 1
+  float film{0.0f};  ///< how sharply the lamps shine back from a film of water or slime, 0 dry
 };
 
-/// Walls of a pipe of a given material.
-[[nodiscard]] Look PipeWallLook(network::Material material);
+/// Walls of a pipe. Water darkens a wall, as light that it holds inside is absorbed there, and
+/// makes it shine; slime tints and hides it.
+[[nodiscard]] Look PipeWallLook(network::Material material, network::WallCondition condition);
+/// What stands in a pipe whose walls are in this condition. Patterns repeat after 0.2 m.
+[[nodiscard]] Look ObstacleLook(network::ObstacleKind kind, network::WallCondition condition);
+/// The end of a house connection that stands into a pipe: orange-brown plastic.
+[[nodiscard]] Look StubLook(network::WallCondition condition);
 
 }  // namespace kantaro::sim

@@ -10,6 +10,7 @@
 #include <mutex>
 #include <opencv2/imgproc.hpp>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -56,8 +57,8 @@ uniform vec3 direction_E;    // of the lamps
 uniform float radiance;      // of each lamp at 1 m
 uniform float reach;
 
-// The wall's normal, leaned by the pattern's slopes; where they point follows from the screen's derivatives.
-vec3 LeanedNormal(vec3 normal, vec2 slope) {
+// How far the pattern's slopes lean the wall's normal; where they point follows from the screen's derivatives.
+vec3 Lean(vec3 normal, vec2 slope) {
   vec3 r_x = cross(dFdy(p_E), normal);
   vec3 r_y = cross(normal, dFdx(p_E));
   vec2 dt_x = dFdx(texel);
@@ -65,7 +66,7 @@ vec3 LeanedNormal(vec3 normal, vec2 slope) {
   vec3 along = r_x * dt_x.x + r_y * dt_y.x;
   vec3 around = r_x * dt_x.y + r_y * dt_y.y;
   float scale = inversesqrt(max(max(dot(along, along), dot(around, around)), 1e-20));
-  return normalize(normal - scale * (slope.x * along + slope.y * around));
+  return scale * (slope.x * along + slope.y * around);
 }
 
 void main() {
@@ -73,7 +74,8 @@ void main() {
   float albedo = texture.r;
   float gloss = gl_FrontMaterial.specular.r;
   float relief = gl_FrontMaterial.shininess / 128.0;
-  vec3 normal = LeanedNormal(normal_E, 2.0 * relief * (texture.gb - 128.0 / 255.0));
+  vec3 lean = Lean(normal_E, 2.0 * relief * (texture.gb - 128.0 / 255.0));
+  vec3 normal = normalize(normal_E - lean);
   vec3 mirrored = reflect(normalize(p_E), normal);
   vec3 to_middle = normalize(p_EMiddle - p_E);
 
@@ -95,7 +97,133 @@ void main() {
   vec3 soiled = mix(vec3(1.0, 0.84, 0.66), vec3(1.0), smoothstep(0.25, 0.72, albedo));
   float wet = 1.0 - smoothstep(0.25, 0.45, albedo);
   vec3 sent = gl_FrontMaterial.diffuse.rgb * soiled * albedo * diffuse + gloss * (0.3 + wet) * highlight * light;
+#ifdef FILM
+  // Drops and runs stand out more than the wall below them, and mirror the lamps sharply.
+  vec3 drop = normalize(normal_E - 6.0 * lean);
+  float spark = max(dot(reflect(normalize(p_E), drop), to_middle), 0.0);
+  spark *= spark; spark *= spark; spark *= spark; spark *= spark; spark *= spark;
+  sent += gl_FrontMaterial.emission.r / max(gl_FrontMaterial.diffuse.r, 0.01) * spark * light;
+#endif
   gl_FragColor = vec4(sqrt(1.0 - exp(-radiance * lobe * fade * sent)), 1.0);
+}
+)";
+
+// Water, drawn over the finished frame. What shows through it is the frame itself, looked up where
+// the bent ray meets the bed; what it mirrors is the frame where the mirrored ray meets the wall
+// around, taken as round, or that wall's plain shade where the frame does not show it.
+// texel: wall_axis is gl_MultiTexCoord0, p_VAxis gl_MultiTexCoord1, along and left
+// gl_MultiTexCoord2.
+constexpr const char* kWaterVertexShader = R"(
+varying vec3 p_E;
+varying vec3 normal_E;
+varying vec3 axis_E;
+varying vec3 to_axis_E;
+varying vec2 place;
+void main() {
+  mat3 R_EW = mat3(gl_ModelViewMatrix);
+  vec4 p = gl_ModelViewMatrix * gl_Vertex;
+  p_E = p.xyz;
+  normal_E = R_EW * gl_Normal;
+  axis_E = R_EW * gl_MultiTexCoord0.xyz;
+  to_axis_E = R_EW * gl_MultiTexCoord1.xyz;
+  place = gl_MultiTexCoord2.xy;
+  gl_Position = gl_ProjectionMatrix * p;
+}
+)";
+constexpr const char* kWaterShader = R"(
+varying vec3 p_E;
+varying vec3 normal_E;
+varying vec3 axis_E;
+varying vec3 to_axis_E;
+varying vec2 place;          // along the way and left of it [m]
+uniform sampler2D frame;     // what was drawn so far, as displayed
+uniform vec2 frame_share;    // of the texture that the frame fills
+uniform vec3 p_ELamp[LAMPS];
+uniform vec3 p_EMiddle;
+uniform vec3 direction_E;
+uniform float radiance;
+uniform float reach;
+uniform float wall_radius;
+uniform float bed_radius;
+uniform float depth;         // over the invert
+
+const float kIndex = 1.33;
+const vec3 kAbsorbed = vec3(6.0, 7.5, 11.0);   // per metre: grey water, a little brown
+const vec3 kMurk = vec3(0.12, 0.105, 0.07);     // what a deep layer sends back
+
+vec3 Shown(vec3 p) {
+  vec4 clip = gl_ProjectionMatrix * vec4(p, 1.0);
+  vec2 at = clamp(0.5 + 0.5 * clip.xy / clip.w, 0.002, 0.998);
+  vec3 c = min(texture2D(frame, at * frame_share).rgb, 0.996);
+  return -log(1.0 - c * c);
+}
+
+// 1 where the frame shows this point, fading to 0 at its rim.
+float InFrame(vec3 p) {
+  vec4 clip = gl_ProjectionMatrix * vec4(p, 1.0);
+  vec2 inside = 1.0 - abs(clip.xy / max(clip.w, 0.001));
+  return step(p.z, -0.03) * smoothstep(0.0, 0.08, min(inside.x, inside.y));
+}
+
+float Lobe(vec3 to_middle) { return max(0.0, 0.25 - 0.75 * dot(to_middle, direction_E)); }
+
+// Light that arrives at a point of a surface from all lamps, as if from their middle.
+float Arriving(vec3 p, vec3 normal) {
+  vec3 to_middle = p_EMiddle - p;
+  float fall_off = 1.0 / dot(to_middle, to_middle);
+  to_middle *= sqrt(fall_off);
+  float fade = clamp(1.0 + p.z / reach, 0.0, 1.0);
+  return float(LAMPS) * radiance * Lobe(to_middle) * fade * fall_off *
+         (0.92 * max(dot(normal, to_middle), 0.0) + 0.08);
+}
+
+// Slopes of slow, shallow ripples; they blur with distance, where a pixel holds many.
+vec2 Ripples(vec2 at) {
+  vec2 slope = 0.007 * vec2(0.9, 0.45) * cos(dot(at, vec2(110.0, 55.0)) + 2.0 * sin(7.0 * at.x))
+             + 0.005 * vec2(0.8, -0.6) * cos(dot(at, vec2(190.0, -140.0)) + 1.5 * sin(13.0 * at.x + 1.0))
+             + 0.004 * vec2(0.3, 0.95) * cos(dot(at, vec2(95.0, 310.0)) + 3.0)
+             + 0.010 * vec2(1.0, 0.1) * cos(dot(at, vec2(38.0, 6.0)));
+  return slope / (1.0 + 0.8 * p_E.z * p_E.z);
+}
+
+void main() {
+  vec3 up = normalize(normal_E);
+  vec3 seen = normalize(p_E);
+  vec3 left = normalize(cross(up, axis_E) + 0.0001 * dFdx(p_E));
+  vec3 along = cross(left, up);
+  vec2 slope = Ripples(place);
+  vec3 normal = normalize(up - slope.x * along - slope.y * left);
+  float facing = clamp(-dot(seen, normal), 0.02, 1.0);
+  float mirrors = 0.02 + 0.98 * pow(1.0 - facing, 5.0);
+
+  vec3 mirrored = reflect(seen, normal);
+  mirrored += max(0.0, 0.02 - dot(mirrored, up)) * up;
+  vec3 from_axis = -to_axis_E - axis_E * dot(-to_axis_E, axis_E);
+  vec3 across = mirrored - axis_E * dot(mirrored, axis_E);
+  float a = max(dot(across, across), 1e-4);
+  float b = dot(from_axis, across);
+  float c = dot(from_axis, from_axis) - wall_radius * wall_radius;
+  float way = (sqrt(max(b * b - a * c, 0.0)) - b) / a;
+  vec3 wall = p_E + way * mirrored;
+  vec3 plain = vec3(0.42, 0.38, 0.32) * Arriving(wall, -normalize(from_axis + way * across));
+  vec3 mirror = mix(plain, Shown(wall), InFrame(wall));
+
+  vec3 bent = refract(seen, normal, 1.0 / kIndex);
+  float under = max(depth - place.y * place.y / (2.0 * bed_radius), 0.0);
+  float path = under / max(-dot(bent, up), 0.3);
+  vec3 through = exp(-kAbsorbed * (path + under));
+  vec3 bed = mix(Shown(p_E), Shown(p_E + path * bent), InFrame(p_E + path * bent));
+  vec3 murk = kMurk * Arriving(p_E, up) * (1.0 - through);
+
+  // The lamps themselves, mirrored: sharp, and drawn out by the ripples.
+  float glint = 0.0;
+  for (int i = 0; i < LAMPS; ++i) {
+    vec3 to_lamp = p_ELamp[i] - p_E;
+    float fall_off = 1.0 / dot(to_lamp, to_lamp);
+    glint += fall_off * pow(max(dot(mirrored, to_lamp * sqrt(fall_off)), 0.0), 300.0);
+  }
+  vec3 sent = (1.0 - mirrors) * (bed * through + murk) + mirrors * (mirror + 40.0 * radiance * glint);
+  gl_FragColor = vec4(sqrt(1.0 - exp(-sent)), 1.0);
 }
 )";
 
@@ -134,6 +262,26 @@ struct Gl {
   PFNGLUNIFORM1IPROC Uniform1i = Entry<PFNGLUNIFORM1IPROC>("glUniform1i");
   PFNGLUNIFORM1FPROC Uniform1f = Entry<PFNGLUNIFORM1FPROC>("glUniform1f");
   PFNGLUNIFORM3FVPROC Uniform3fv = Entry<PFNGLUNIFORM3FVPROC>("glUniform3fv");
+  PFNGLUNIFORM2FPROC Uniform2f = Entry<PFNGLUNIFORM2FPROC>("glUniform2f");
+  void (*MultiTexCoord2fv)(GLenum, const GLfloat*) =
+      Entry<void (*)(GLenum, const GLfloat*)>("glMultiTexCoord2fv");
+  void (*MultiTexCoord3fv)(GLenum, const GLfloat*) =
+      Entry<void (*)(GLenum, const GLfloat*)>("glMultiTexCoord3fv");
+  PFNGLACTIVETEXTUREPROC ActiveTexture = Entry<PFNGLACTIVETEXTUREPROC>("glActiveTexture");
+  void (*Begin)(GLenum) = Entry<void (*)(GLenum)>("glBegin");
+  void (*End)() = Entry<void (*)()>("glEnd");
+  void (*Vertex3fv)(const GLfloat*) = Entry<void (*)(const GLfloat*)>("glVertex3fv");
+  void (*Normal3fv)(const GLfloat*) = Entry<void (*)(const GLfloat*)>("glNormal3fv");
+  void (*GenTextures)(GLsizei, GLuint*) = Entry<void (*)(GLsizei, GLuint*)>("glGenTextures");
+  void (*BindTexture)(GLenum, GLuint) = Entry<void (*)(GLenum, GLuint)>("glBindTexture");
+  void (*TexParameteri)(GLenum, GLenum,
+                        GLint) = Entry<void (*)(GLenum, GLenum, GLint)>("glTexParameteri");
+  void (*TexImage2D)(GLenum, GLint, GLint, GLsizei, GLsizei, GLint, GLenum, GLenum, const void*) =
+      Entry<void (*)(GLenum, GLint, GLint, GLsizei, GLsizei, GLint, GLenum, GLenum, const void*)>(
+          "glTexImage2D");
+  void (*CopyTexSubImage2D)(GLenum, GLint, GLint, GLint, GLint, GLint, GLsizei, GLsizei) =
+      Entry<void (*)(GLenum, GLint, GLint, GLint, GLint, GLint, GLsizei, GLsizei)>(
+          "glCopyTexSubImage2D");
   using ReadPixelsFunction = void (*)(GLint, GLint, GLsizei, GLsizei, GLenum, GLenum, void*);
   ReadPixelsFunction ReadPixels = Entry<ReadPixelsFunction>("glReadPixels");
 };
@@ -154,10 +302,10 @@ GLuint CompileShader(const Gl& gl, GLenum kind, const std::string& source) {
   return shader;
 }
 
-GLuint LinkProgram(const Gl& gl, const std::string& fragment_source) {
+GLuint LinkProgram(const Gl& gl, const std::string& fragment_source,
+                   const std::string& vertex_source = kVertexShader) {
   const GLuint program = gl.CreateProgram();
-  gl.AttachShader(program,
-                  CompileShader(gl, GL_VERTEX_SHADER, std::string(kVersion) + kVertexShader));
+  gl.AttachShader(program, CompileShader(gl, GL_VERTEX_SHADER, kVersion + vertex_source));
   gl.AttachShader(program, CompileShader(gl, GL_FRAGMENT_SHADER, kVersion + fragment_source));
   gl.LinkProgram(program);
   GLint linked = 0;
@@ -248,10 +396,18 @@ class Renderer::Impl {
     if (lamps.p_WLamp.size() > kMaxLamps)
       throw std::invalid_argument("more lamps than a renderer can light");
     const OffscreenContext::Current current(context_);
-    const GLuint program = LampProgram(lamps.p_WLamp.size());
+    ChoosePieces(view);
+    const std::span drawn(scene_.geoms, static_cast<std::size_t>(scene_.ngeom));
+    const bool film =
+        std::ranges::any_of(drawn, [](const mjvGeom& geom) { return geom.emission > 0.0f; });
+    const GLuint program = film ? LampProgram(film_programs_, lamps.p_WLamp.size(),
+                                              std::string("#define FILM\n") + kLampShader)
+                                : LampProgram(lamp_programs_, lamps.p_WLamp.size(), kLampShader);
     gl_->UseProgram(program);
     SetLamps(view, lamps, program);
-    const cv::Mat& pixels = Draw(view, program);
+    Draw(view, program);
+    if (const auto sheets = VisibleWater(view); !sheets.empty()) DrawWater(view, lamps, sheets);
+    const cv::Mat& pixels = ReadBack(view);
     cv::Mat image(pixels.size(), CV_8UC3);
     // OpenGL's rows run upward. The black level is added here, so that empty and unlit pixels
     // agree.
@@ -271,8 +427,11 @@ class Renderer::Impl {
   cv::Mat RenderDepth(const CameraView& view) {
     Check(view);
     const OffscreenContext::Current current(context_);
+    ChoosePieces(view);
     gl_->UseProgram(depth_program_);
-    const cv::Mat& pixels = Draw(view, depth_program_);
+    Draw(view, depth_program_);
+    for (const WaterSheet* sheet : VisibleWater(view)) DrawSheet(view, *sheet);
+    const cv::Mat& pixels = ReadBack(view);
     cv::Mat depth(pixels.size(), CV_32F);
     for (int row = 0; row < depth.rows; ++row) {
       const auto* from = pixels.ptr<cv::Vec4b>(depth.rows - 1 - row);
@@ -295,12 +454,17 @@ class Renderer::Impl {
     }
   }
 
+  using LampPrograms = std::array<GLuint, kMaxLamps + 1>;
+
   /// The shader for so many lamps. None is drawn as one that is switched off.
-  GLuint LampProgram(std::size_t count) {
-    GLuint& program = lamp_programs_[count];
+  GLuint LampProgram(LampPrograms& programs, std::size_t count, const std::string& fragment_source,
+                     const char* vertex_source = kVertexShader) const {
+    GLuint& program = programs[count];
     if (program == 0) {
       program = LinkProgram(
-          *gl_, fmt::format("#define LAMPS {}\n", std::max<std::size_t>(count, 1)) + kLampShader);
+          *gl_,
+          fmt::format("#define LAMPS {}\n", std::max<std::size_t>(count, 1)) + fragment_source,
+          vertex_source);
     }
     return program;
   }
@@ -328,14 +492,80 @@ class Renderer::Impl {
     gl_->Uniform1f(at("radiance"), static_cast<float>(radiance));
   }
 
-  /// Draws with the bound program and reads back: BGRA, the lowest row first.
-  const cv::Mat& Draw(const CameraView& view, GLuint program) {
+  [[nodiscard]] std::vector<const WaterSheet*> VisibleWater(const CameraView& view) const {
+    const Pyramid pyramid(view);
+    std::vector<const WaterSheet*> visible;
+    for (const WaterSheet& sheet : scenery_->water()) {
+      if (pyramid.Meets(sheet.p_WCentre, sheet.radius_m)) visible.push_back(&sheet);
+    }
+    return visible;
+  }
+
+  /// With the bound program, into MuJoCo's frame and before its depth buffer. MuJoCo leaves its
+  /// camera in OpenGL's matrices.
+  void DrawSheet(const CameraView& view, const WaterSheet& sheet) const {
+    const Eigen::Vector3f p_CO = (sheet.p_WO - view.X_WC.translation()).cast<float>();
+    gl_->Begin(GL_TRIANGLE_STRIP);
+    for (const WaterSheet::Vertex& vertex : sheet.vertices) {
+      gl_->Normal3fv(vertex.normal.data());
+      gl_->MultiTexCoord3fv(GL_TEXTURE0, vertex.wall_axis.data());
+      gl_->MultiTexCoord3fv(GL_TEXTURE1, vertex.p_VAxis.data());
+      gl_->MultiTexCoord2fv(GL_TEXTURE2, vertex.along_left_m.data());
+      const Eigen::Vector3f p = p_CO + vertex.p_OV;
+      gl_->Vertex3fv(p.data());
+    }
+    gl_->End();
+  }
+
+  void DrawWater(const CameraView& view, const Lamps& lamps,
+                 const std::vector<const WaterSheet*>& sheets) {
+    CopyFrame(view);
+    const GLuint program =
+        LampProgram(water_programs_, lamps.p_WLamp.size(), kWaterShader, kWaterVertexShader);
+    gl_->UseProgram(program);
+    SetLamps(view, lamps, program);
+    const auto at = [&](const char* name) { return gl_->GetUniformLocation(program, name); };
+    gl_->Uniform1i(at("frame"), 0);
+    gl_->Uniform2f(at("frame_share"),
+                   static_cast<float>(view.width_px) / static_cast<float>(options_.max_width_px),
+                   static_cast<float>(view.height_px) / static_cast<float>(options_.max_height_px));
+    gl_->Uniform1f(at("reach"), static_cast<float>(kReach_m));
+    for (const WaterSheet* sheet : sheets) {
+      gl_->Uniform1f(at("wall_radius"), static_cast<float>(sheet->wall_radius_m));
+      gl_->Uniform1f(at("bed_radius"), static_cast<float>(sheet->bed_radius_m));
+      gl_->Uniform1f(at("depth"), static_cast<float>(sheet->depth_m));
+      DrawSheet(view, *sheet);
+    }
+  }
+
+  /// The frame so far, as a texture.
+  void CopyFrame(const CameraView& view) {
+    gl_->ActiveTexture(GL_TEXTURE0);
+    if (frame_ == 0) {
+      gl_->GenTextures(1, &frame_);
+      gl_->BindTexture(GL_TEXTURE_2D, frame_);
+      for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+        gl_->TexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
+      for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+        gl_->TexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
+      gl_->TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, options_.max_width_px, options_.max_height_px, 0,
+                      GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+    }
+    gl_->BindTexture(GL_TEXTURE_2D, frame_);
+    gl_->CopyTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, 0, 0, view.width_px, view.height_px);
+  }
+
+  /// Draws the chosen pieces with the bound program.
+  void Draw(const CameraView& view, GLuint program) {
     gl_->Uniform1f(gl_->GetUniformLocation(program, "reach"), static_cast<float>(kReach_m));
     SetCamera(view);
-    ChoosePieces(view);
     const mjrRect viewport{0, 0, view.width_px, view.height_px};
     mjr_setBuffer(mjFB_OFFSCREEN, &mujoco_);
     mjr_render(viewport, &scene_, &mujoco_);
+  }
+
+  /// BGRA, the lowest row first.
+  const cv::Mat& ReadBack(const CameraView& view) {
     pixels_.create(view.height_px, view.width_px, CV_8UC4);
     gl_->ReadPixels(0, 0, view.width_px, view.height_px, GL_BGRA, GL_UNSIGNED_BYTE, pixels_.data);
     return pixels_;
@@ -378,8 +608,8 @@ class Renderer::Impl {
   std::optional<Gl> gl_;
   mjrContext mujoco_{};
   mjvScene scene_{};
-  std::array<GLuint, kMaxLamps + 1>
-      lamp_programs_{};  ///< by the number of lamps, 0 where not yet needed
+  LampPrograms lamp_programs_{}, film_programs_{}, water_programs_{};  ///< 0 if not yet needed
+  GLuint frame_{};  ///< texture, 0 if not yet needed
   GLuint depth_program_{};
   cv::Mat pixels_;
 };

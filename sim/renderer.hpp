@@ -56,6 +56,7 @@ class Renderer {
   [[nodiscard]] cv::Mat Render(const CameraView& view, const Lamps& lamps);
 
   /// Ground truth. @returns CV_32F, depth along the optical axis [m], 0 where nothing is in reach.
+  /// Water counts as a surface: what lies under it has no depth.
   [[nodiscard]] cv::Mat RenderDepth(const CameraView& view);
 
   /// Walls farther than this from the camera are not drawn [m]; the light has faded to nothing by

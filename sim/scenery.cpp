@@ -9,6 +9,7 @@
 #include <iterator>
 #include <map>
 #include <numbers>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <unordered_map>
@@ -45,37 +46,30 @@ void VaryTone(Paint& paint, RandomStream& random, double contrast) {
   paint.look.colour.z() *= static_cast<float>(tone * (1.0 - warmth));
 }
 
-Look LookOf(network::ObstacleKind kind) {
-  switch (kind) {
-    case network::ObstacleKind::kSediment:
-      return {Pattern::kRough, {0.30f, 0.25f, 0.18f}, 0.10f, 0.8f};
-    case network::ObstacleKind::kStone:
-      return {Pattern::kRough, {0.45f, 0.44f, 0.42f}, 0.10f, 0.6f};
-    case network::ObstacleKind::kMortarRidge:
-      return {Pattern::kRough, {0.62f, 0.60f, 0.56f}, 0.05f, 0.6f};
-    case network::ObstacleKind::kBrick:
-      return {Pattern::kConcrete, {0.50f, 0.24f, 0.16f}, 0.05f, 0.4f};
-  }
-  return {};
-}
-
 Paint PaintOfSolid(const Sewer& sewer, std::size_t index, const SceneryOptions& options) {
   const SolidPrimitive& solid = sewer.solids[index];
   const network::Pipe& pipe = sewer.network.pipes[sewer.parts[solid.part].index];
   RandomStream random(options.seed, fmt::format("paint solid {}", index));
   Paint paint;
   paint.period_m = {0.2f, 0.2f};
-  // A protruding inlet is a pipe's end of the same kind.
-  paint.look = solid.feature == Feature::kObstacle ? LookOf(pipe.obstacles[solid.item].kind)
-                                                   : PipeWallLook(pipe.material);
+  paint.look = solid.feature == Feature::kObstacle
+                   ? ObstacleLook(pipe.obstacles[solid.item].kind, pipe.condition)
+                   : StubLook(pipe.condition);
   VaryTone(paint, random, options.texture_contrast);
   return paint;
 }
 
+/// Of a manhole's channels: as wet as its wettest pipe.
+network::WallCondition ConditionIn(const network::Network& network, std::size_t manhole) {
+  network::WallCondition condition{};
+  for (const std::size_t i : network.PipesAt(network.manholes[manhole].name))
+    condition = std::max(condition, network.pipes[i].condition);
+  return condition;
+}
+
 /// @param index  a number of a primitive, as in SurfaceMesh
 Paint PaintOf(const Sewer& sewer, std::size_t index, const SceneryOptions& options) {
-  if (index >= sewer.voids.size())
-    return PaintOfSolid(sewer, index - sewer.voids.size(), options);
+  if (index >= sewer.voids.size()) return PaintOfSolid(sewer, index - sewer.voids.size(), options);
   const VoidPrimitive& primitive = sewer.voids[index];
   const Part& part = sewer.parts[primitive.part];
   RandomStream random(options.seed, fmt::format("paint {}", index));
@@ -85,7 +79,8 @@ Paint PaintOf(const Sewer& sewer, std::size_t index, const SceneryOptions& optio
     case Feature::kStraight:
     case Feature::kBend: {
       const auto turn_m = static_cast<float>(2.0 * std::numbers::pi * primitive.radius_m);
-      paint.look = PipeWallLook(sewer.network.pipes[part.index].material);
+      const network::Pipe& pipe = sewer.network.pipes[part.index];
+      paint.look = PipeWallLook(pipe.material, pipe.condition);
       paint.period_m = {2.0f * turn_m, turn_m};
       // Only along: around, the deposit belongs to the invert.
       paint.offset.x() = static_cast<float>(random.Uniform(0.0, 1.0));
@@ -102,7 +97,8 @@ Paint PaintOf(const Sewer& sewer, std::size_t index, const SceneryOptions& optio
     case Feature::kChannel: {
       // A channel goes on as its pipe does, deposit and all, in cement.
       const auto turn_m = static_cast<float>(2.0 * std::numbers::pi * primitive.radius_m);
-      paint.look = PipeWallLook(network::Material::kConcrete);
+      paint.look =
+          PipeWallLook(network::Material::kConcrete, ConditionIn(sewer.network, part.index));
       paint.period_m = {2.0f * turn_m, turn_m};
       paint.offset.x() = static_cast<float>(random.Uniform(0.0, 1.0));
       break;
@@ -272,13 +268,12 @@ void AddTexture(VirtualFiles& files, const std::string& name, const cv::Mat& pat
   files.Append(pattern.data, bytes);
 }
 
-constexpr std::array<Pattern, kPatternCount> kPatterns{Pattern::kPipeWall, Pattern::kConcrete,
-                                                       Pattern::kRough};
-
 mjModel* Compile(const std::vector<Visual>& visuals, const SceneryOptions& options) {
   VirtualFiles files;
   std::string assets, geoms;
-  for (const Pattern pattern : kPatterns) {
+  std::set<Pattern> patterns;
+  for (const Visual& visual : visuals) patterns.insert(visual.look.pattern);
+  for (const Pattern pattern : patterns) {
     const int i = static_cast<int>(pattern);
     AddTexture(files, fmt::format("pattern{}.rgb", i),
                MakePattern(pattern, options.seed, options.texture_contrast));
@@ -333,10 +328,10 @@ std::vector<Scenery::Piece> Place(const mjModel* model, const std::vector<Visual
     piece.geom = geom;
     for (int c = 0; c < 3; ++c) piece.geom.rgba[c] = visual.look.colour[c];
     piece.geom.rgba[3] = 1.0f;
-    // The shader reads these two as gloss and relief.
+    // The shader reads these three as gloss, relief and film.
     piece.geom.specular = visual.look.gloss;
     piece.geom.shininess = visual.look.relief;
-    piece.geom.emission = 0.0f;
+    piece.geom.emission = visual.look.film;
     piece.p_WG = Eigen::Map<const Vector3d>(data->geom_xpos + 3 * geom.objid);
     Eigen::AlignedBox3f box;
     for (const Vector3f& p : visual.mesh.positions) box.extend(p);
@@ -351,7 +346,9 @@ std::vector<Scenery::Piece> Place(const mjModel* model, const std::vector<Visual
 }  // namespace
 
 Scenery::Scenery(const Sewer& sewer, const SurfaceMesh& mesh, const SceneryOptions& options) {
-  const auto is_owner = [&](std::uint32_t owner) { return owner < sewer.voids.size() + sewer.solids.size(); };
+  const auto is_owner = [&](std::uint32_t owner) {
+    return owner < sewer.voids.size() + sewer.solids.size();
+  };
   if (mesh.owner.size() != mesh.triangles.size() || !std::ranges::all_of(mesh.owner, is_owner)) {
     throw std::invalid_argument("a scenery needs the mesh of its own sewer");
   }
@@ -359,6 +356,7 @@ Scenery::Scenery(const Sewer& sewer, const SurfaceMesh& mesh, const SceneryOptio
   const std::vector<Visual> visuals = BuildVisuals(sewer, mesh, options);
   model_.reset(Compile(visuals, options));
   pieces_ = Place(model_.get(), visuals);
+  water_ = BuildWaterSheets(sewer, options.chunk_length_m);
 }
 
 }  // namespace kantaro::sim

@@ -9,6 +9,7 @@
 
 #include "sim/sewer.hpp"
 #include "sim/surface_mesh.hpp"
+#include "sim/water_sheet.hpp"
 
 namespace kantaro::sim {
 
@@ -38,6 +39,7 @@ class Scenery {
 
   [[nodiscard]] const mjModel& model() const { return *model_; }
   [[nodiscard]] const std::vector<Piece>& pieces() const { return pieces_; }
+  [[nodiscard]] const std::vector<WaterSheet>& water() const { return water_; }
 
  private:
   struct Deleter {
@@ -45,6 +47,7 @@ class Scenery {
   };
   std::unique_ptr<mjModel, Deleter> model_;
   std::vector<Piece> pieces_;
+  std::vector<WaterSheet> water_;
 };
 
 }  // namespace kantaro::sim
