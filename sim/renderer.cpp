@@ -99,7 +99,7 @@ void main() {
   vec3 sent = gl_FrontMaterial.diffuse.rgb * soiled * albedo * diffuse + gloss * (0.3 + wet) * highlight * light;
 #ifdef FILM
   // Drops and runs stand out more than the wall below them, and mirror the lamps sharply.
-  vec3 drop = normalize(normal_E - 6.0 * lean);
+  vec3 drop = normalize(normal_E - 3.0 / max(relief, 0.05) * lean);
   float spark = max(dot(reflect(normalize(p_E), drop), to_middle), 0.0);
   spark *= spark; spark *= spark; spark *= spark; spark *= spark; spark *= spark;
   sent += gl_FrontMaterial.emission.r / max(gl_FrontMaterial.diffuse.r, 0.01) * spark * light;
@@ -222,7 +222,8 @@ void main() {
     float fall_off = 1.0 / dot(to_lamp, to_lamp);
     glint += fall_off * pow(max(dot(mirrored, to_lamp * sqrt(fall_off)), 0.0), 300.0);
   }
-  vec3 sent = (1.0 - mirrors) * (bed * through + murk) + mirrors * (mirror + 40.0 * radiance * glint);
+  glint *= radiance * Lobe(normalize(p_EMiddle - p_E));
+  vec3 sent = (1.0 - mirrors) * (bed * through + murk) + mirrors * (mirror + 40.0 * glint);
   gl_FragColor = vec4(sqrt(1.0 - exp(-sent)), 1.0);
 }
 )";

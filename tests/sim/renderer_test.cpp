@@ -41,7 +41,8 @@ Sewer StraightPipe(const std::vector<network::Fault>& faults,
 }
 
 std::shared_ptr<const Scenery> SceneryOf(const Sewer& sewer, std::uint64_t seed = 1) {
-  return std::make_shared<Scenery>(sewer, Tessellate(sewer.voids, sewer.solids), SceneryOptions{.seed = seed});
+  return std::make_shared<Scenery>(sewer, Tessellate(sewer.voids, sewer.solids),
+                                   SceneryOptions{.seed = seed});
 }
 
 /// Textures take a second to make: tests share one pipe.
@@ -281,6 +282,64 @@ TEST(Render, LooksDifferentWithAnotherSeed) {
   cv::absdiff(Plain().renderer.Render(view, AtCamera(view)), other.Render(view, AtCamera(view)),
               difference);
   EXPECT_GT(cv::mean(difference)[0], 3.0);
+}
+
+/// A level pipe with water along its invert.
+constexpr double kWater_m = 0.04;
+Sewer WateredPipe() {
+  network::Network net = Plain().sewer.network;
+  net.pipes[0].water_m = kWater_m;
+  return BuildSewer(net);
+}
+struct Watered {
+  Sewer sewer = WateredPipe();
+  Renderer renderer{SceneryOf(sewer)};
+};
+Watered& WithWater() {
+  static Watered watered;
+  return watered;
+}
+
+// From the axis the surface lies R - h below: v pixels under the middle, at f (R - h) / v.
+TEST(RenderDepth, EndsAtTheWatersSurface) {
+  const CameraView view = OnAxis(WithWater().sewer, 6.0);
+  const cv::Mat depth = WithWater().renderer.RenderDepth(view);
+  for (const int row : {330, 380, 430, 479}) {
+    const double expected_m = view.focal_px * (kRadius_m - kWater_m) / (row - view.center_y_px);
+    EXPECT_NEAR(depth.at<float>(row, 320), expected_m, 0.002) << "row " << row;
+  }
+  // Above the water nothing changes.
+  const cv::Mat dry = Plain().renderer.RenderDepth(OnAxis(Plain().sewer, 6.0));
+  EXPECT_NEAR(depth.at<float>(50, 320), dry.at<float>(50, 320), 1e-4);
+}
+
+// A lamp that shines up lights a spot on the crown, R above the axis and 1 m ahead. In the water,
+// R - h below the axis, it appears as far below the surface as it is above it.
+TEST(Render, MirrorsTheCrownInTheWater) {
+  const CameraView view = OnAxis(WithWater().sewer, 6.0);
+  Lamps lamps;
+  lamps.p_WLamp = {WithWater().sewer.axes[0].PoseAt(7.0) * Vector3d(0.0, 0.0, kRadius_m - 0.07)};
+  lamps.direction_W = Vector3d::UnitZ();
+  const cv::Mat gray = Gray(WithWater().renderer.Render(view, lamps));
+  const double below_m = (kRadius_m - kWater_m) + (2.0 * kRadius_m - kWater_m);
+  double sum = 0.0, moment = 0.0;
+  for (int row = 300; row < view.height_px; ++row) {
+    const double light =
+        RadianceOf(cv::mean(gray(cv::Range(row, row + 1), cv::Range(300, 340)))[0]);
+    sum += light;
+    moment += light * row;
+  }
+  EXPECT_NEAR(moment / sum, view.center_y_px + view.focal_px * below_m / 1.0, 10.0);
+}
+
+// It looks the same wherever water is not: a drawn sheet leaves no trace elsewhere.
+TEST(Render, LeavesTheWallAboveTheWaterAlone) {
+  const CameraView view = OnAxis(WithWater().sewer, 6.0);
+  const cv::Mat wet = WithWater().renderer.Render(view, AtCamera(view));
+  const cv::Mat dry = Plain().renderer.Render(view, AtCamera(view));
+  const cv::Rect upper(0, 0, view.width_px, view.height_px / 2 - 40);
+  EXPECT_TRUE(SameBits(wet(upper).clone(), dry(upper).clone()));
+  EXPECT_FALSE(SameBits(wet, dry));
 }
 
 TEST(Render, RefusesWhatItCannotDraw) {
