@@ -1,12 +1,13 @@
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <string>
 
 #include "base/input_error.hpp"
 #include "network/formats.hpp"
 
-// Any bytes give a network or an InputError, and a network that was read can be written as YAML and
-// read again.
+// Any bytes give a network or an InputError, and a network that was read can be written as YAML,
+// reads back from there, and is the same.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   kantaro::network::Network network;
   try {
@@ -16,6 +17,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   (void)kantaro::network::Describe(network);
   (void)kantaro::network::DescribeJson(network);
-  (void)kantaro::network::ParseYaml(kantaro::network::ToYaml(network), "again.yaml");
+  if (!(kantaro::network::ParseYaml(kantaro::network::ToYaml(network), "again.yaml") == network)) {
+    std::abort();
+  }
   return 0;
 }

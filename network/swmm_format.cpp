@@ -25,6 +25,7 @@ using swmm::ToMillimetres;
 constexpr double kJointSpacing_m = 1.8;  // plastic and clay pipe come in lengths under 2 m
 constexpr double kDefaultDepth_m = 2.0;
 constexpr double kBendRadii = 1.5;       // of a vertex, in pipe diameters
+constexpr double kFarthest_m = 1e7;      // a course longer than that is none
 constexpr double kSmoothBelow = 0.012;   // Manning's n: plastic below, concrete above
 constexpr double kSharpestVertex = 2.5;  // [rad]
 
@@ -67,6 +68,10 @@ void Builder::Skip(const Link& link, std::string reason) {
   skipped.height_m = link.height_m;
   for (const Vector2d& vertex : link.vertices) skipped.via_W.push_back(frame_.ToWorld(vertex));
   skipped.length_m = ToMillimetres(DrawnLength(model_, frame_, link).value_or(link.length_m));
+  if (skipped.length_m > kFarthest_m) {  // a slip of the drawing
+    skipped.via_W.clear();
+    skipped.length_m = ToMillimetres(link.length_m);
+  }
   network_.skipped.push_back(std::move(skipped));
 }
 

@@ -206,7 +206,7 @@ void Reader::ReadDevices() {
 void Reader::ReadShapes() {
   static constexpr std::string_view kNamedShapes[] = {"IRREGULAR", "STREET"};  // by a transect
   for (const Row& row : text_.Rows("XSECTIONS")) {
-    const std::string shape = Upper(row.Word(1, "Shape"));
+    const std::string shape = Quotable(Upper(row.Word(1, "Shape")));
     const auto found = model_.link_of.find(row.words[0]);
     if (found == model_.link_of.end()) continue;
     Link& link = model_.links[found->second];

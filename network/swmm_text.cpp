@@ -141,6 +141,18 @@ std::string Upper(std::string_view word) {
   return upper;
 }
 
+std::string Quotable(std::string_view text) {
+  constexpr std::size_t kMost = 60;
+  std::size_t end = std::min(text.size(), kMost);
+  while (end < text.size() && end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) {
+    --end;  // not in the middle of a character
+  }
+  std::string quotable(text.substr(0, end));
+  std::replace_if(
+      quotable.begin(), quotable.end(), [](unsigned char c) { return c < 0x20; }, ' ');
+  return quotable;
+}
+
 std::string Cleaned(const std::string& text, const std::filesystem::path& file) {
   const auto control = std::find_if(text.begin(), text.end(), [](unsigned char c) {
     return (c < 0x20 && c != '\n' && c != '\r' && c != '\t' && c != '\f' && c != 0x1a) || c == 0x7f;
@@ -173,7 +185,7 @@ Text Split(std::string_view text, const std::filesystem::path& file) {
                                              [&](const auto& one) { return begins(one.first); });
       section = known == kRead.end() ? std::string_view() : known->second;
       if (section.empty() && std::none_of(std::begin(kPassedOver), std::end(kPassedOver), begins)) {
-        split.unknown.emplace_back(number, name);
+        split.unknown.emplace_back(number, Quotable(name));
       }
       any = true;
     } else if (!section.empty()) {

@@ -45,4 +45,8 @@ struct Text {
 
 [[nodiscard]] std::string Upper(std::string_view word);
 
+/// The beginning of UTF-8 text, fit to be quoted in a remark: up to 60 bytes, none of them control
+/// characters.
+[[nodiscard]] std::string Quotable(std::string_view text);
+
 }  // namespace kantaro::network::swmm

@@ -9,7 +9,7 @@
 namespace kantaro::network {
 namespace {
 
-constexpr double kLargest_m = 1e9;  // as SWMM's numbers
+constexpr double kLargest = 1e13;  // in any unit: beyond all that SWMM's numbers come to
 constexpr std::size_t kLongestText = 2000;
 
 std::string Words(const YamlNode& node) {
@@ -25,7 +25,7 @@ std::string Words(const YamlNode& node) {
 
 double LengthIfGiven(const YamlNode& node, std::string_view key) {
   const auto found = node.Find(key);
-  return found ? found->Number(0.0, kLargest_m) : 0.0;
+  return found ? found->Number(0.0, kLargest) : 0.0;
 }
 
 SkippedLink ReadSkippedLink(const YamlNode& node) {
@@ -68,6 +68,8 @@ std::string Quoted(const std::string& text) {
 
 /// A number of millimetres that reads back as the same number of metres.
 double Millimetres(double value_m) {
+  const double round_mm = std::round(value_m * 1e4) / 10.0;
+  if (round_mm / 1000.0 == value_m) return round_mm;
   const double value_mm = value_m * 1000.0;
   for (const double candidate :
        {std::nextafter(value_mm, -HUGE_VAL), std::nextafter(value_mm, HUGE_VAL)}) {

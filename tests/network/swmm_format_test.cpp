@@ -362,6 +362,16 @@ TEST(Swmm, NamesSectionsThatSwmmDoesNotKnowAndPassesOverTheRest) {
   EXPECT_FALSE(HasRemark(network, "section [LID_CONTROLS]", ""));
 }
 
+TEST(Swmm, QuotesOddHeadingsAndShapesSoThatTheyReadBack) {
+  std::string heading = "[RO\tBOT ";
+  for (int i = 0; i < 2000; ++i) heading += "\xC3\x85";  // Å
+  std::string text = SmallWith("c2 circular", "c2 \"E\tGG\"") + heading + "]\n";
+  const Network network = Parse(text);
+  EXPECT_TRUE(HasRemark(network, "section [RO BOT " + heading.substr(8, 52) + "]", "unknown"));
+  EXPECT_EQ(ReasonFor(network, "c2"), "not circular (E GG)");
+  EXPECT_TRUE(ParseYaml(ToYaml(network), "again.yaml") == network);
+}
+
 TEST(Swmm, ReadsTheLineEndsOfOldMacs) {
   std::string text = kSmall;
   std::replace(text.begin(), text.end(), '\n', '\r');
