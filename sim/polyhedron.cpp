@@ -54,10 +54,10 @@ enum class Group : std::uint8_t { kSide, kTop, kStart, kEnd };
 
 // Profile polygons at stations along the axis.
 struct Grid {
-  std::size_t around{};         // corners of the profile, clockwise looking along the axis
-  std::size_t stations{};       // at least 2
-  std::vector<Group> groups;    // of the facet behind each corner
-  std::vector<double> angles;   // of the middle of that facet, from the crown
+  std::size_t around{};           // corners of the profile, clockwise looking along the axis
+  std::size_t stations{};         // at least 2
+  std::vector<Group> groups;      // of the facet behind each corner
+  std::vector<double> angles;     // of the middle of that facet, from the crown
   std::vector<Vector2d> corners;  // (left, up)
 
   [[nodiscard]] std::size_t Index(std::size_t station, std::size_t corner) const {
@@ -259,10 +259,11 @@ class Assembly {
     facet.corners = face.corners;
     facet.normal = outward;
     facet.angle = face.angle;
-    facet.shade = face.shade == kFlat ? kFlat + static_cast<std::uint32_t>(body_.facets.size())
-                                      : face.shade;
+    facet.shade =
+        face.shade == kFlat ? kFlat + static_cast<std::uint32_t>(body_.facets.size()) : face.shade;
     for (std::size_t i = 0; i < facet.corners.size(); ++i) {
-      const auto ends = std::minmax(facet.corners[i], facet.corners[(i + 1) % facet.corners.size()]);
+      const auto ends =
+          std::minmax(facet.corners[i], facet.corners[(i + 1) % facet.corners.size()]);
       facet.edges.push_back(edges_.try_emplace(ends, edges_.size()).first->second);
     }
     body_.facets.push_back(std::move(facet));
@@ -292,8 +293,7 @@ Polyhedron Make(const Block& block, double /*tolerance_m*/, double /*max_cell_m*
   const auto loop = [&](double z) {
     Loop corners;
     for (const auto& [x, y] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}})
-      corners.push_back(
-          assembly.Point(block.X_WB * block.half_m.cwiseProduct(Vector3d(x, y, z))));
+      corners.push_back(assembly.Point(block.X_WB * block.half_m.cwiseProduct(Vector3d(x, y, z))));
     return corners;
   };
   const Loop bottom = loop(-1.0);
@@ -322,9 +322,9 @@ Polyhedron Make(const Ball& ball, double tolerance_m, double /*max_cell_m*/) {
     Loop& loop = loops.emplace_back();
     for (std::size_t j = 0; j < around; ++j) {
       const double angle = static_cast<double>(j) * turn;
-      loop.push_back(assembly.Point(
-          ball.p_WB + radius * (std::cos(down) * ball.up_W + std::sin(down) * std::cos(angle) * x +
-                                std::sin(down) * std::sin(angle) * y)));
+      loop.push_back(assembly.Point(ball.p_WB + radius * (std::cos(down) * ball.up_W +
+                                                          std::sin(down) * std::cos(angle) * x +
+                                                          std::sin(down) * std::sin(angle) * y)));
     }
   }
   std::vector<Assembly::Face> faces;
@@ -341,8 +341,7 @@ Polyhedron Make(const Ball& ball, double tolerance_m, double /*max_cell_m*/) {
   Polyhedron body = assembly.Take();
   body.look = [ball, x, y](const Vector3d& p, const Facet& facet) {
     const Vector3d q = p - ball.p_WB;
-    return VertexLook{facet.shade == kInner ? q.normalized() : facet.normal,
-                      {q.dot(x), q.dot(y)}};
+    return VertexLook{facet.shade == kInner ? q.normalized() : facet.normal, {q.dot(x), q.dot(y)}};
   };
   return body;
 }
@@ -380,8 +379,8 @@ Polyhedron Make(const Shell& shell, double tolerance_m, double max_cell_m) {
     for (std::size_t j = 0; j < around; ++j) {
       const double angle = shell.from_rad + static_cast<double>(j) * step;
       for (const double radius : radii) {
-        (void)assembly.Point(
-            X_WA * Vector3d(0.0, -radius * std::sin(angle), radius * std::cos(angle)));
+        (void)assembly.Point(X_WA *
+                             Vector3d(0.0, -radius * std::sin(angle), radius * std::cos(angle)));
       }
     }
   }
@@ -417,8 +416,7 @@ Polyhedron Make(const Ridge& ridge, double tolerance_m, double max_cell_m) {
   shell.from_rad = shell.closed ? 0.0 : ridge.middle_rad - half;
   shell.to_rad = shell.closed ? 2.0 * kPi : ridge.middle_rad + half;
   const double whole = static_cast<double>(SegmentsAround(ridge.inner_radius_m, tolerance_m));
-  shell.segments =
-      static_cast<std::size_t>(std::max(1.0, std::ceil(whole * half / kPi - 1e-9)));
+  shell.segments = static_cast<std::size_t>(std::max(1.0, std::ceil(whole * half / kPi - 1e-9)));
   return Make(shell, tolerance_m, max_cell_m);
 }
 
@@ -535,7 +533,7 @@ Polyhedron PolyhedronOf(const SolidPrimitive& solid, double tolerance_m, double 
   Polyhedron body = std::visit(
       [&](const auto& shape) { return Make(shape, tolerance_m, max_cell_m); }, solid.shape);
   body.look = [look = std::move(body.look), start = solid.start_chainage_m](const Vector3d& p,
-                                                                           const Facet& facet) {
+                                                                            const Facet& facet) {
     VertexLook at = look(p, facet);
     at.surface_m.x() += start;
     return at;

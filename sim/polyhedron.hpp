@@ -29,10 +29,10 @@ struct Slab {
 /// A planar face, counter-clockwise seen from the void.
 struct Facet {
   std::vector<std::uint32_t> corners;  ///< points of the polyhedron
-  std::vector<std::size_t> edges;      ///< numbers of those behind the corners, shared by neighbours
+  std::vector<std::size_t> edges;  ///< numbers of those behind the corners, shared by neighbours
   /// Facets of one shade share the normals and texture coordinates of the points they share.
   std::uint32_t shade{};
-  double angle{};                                     ///< of its middle from the crown
+  double angle{};                                    ///< of its middle from the crown
   Eigen::Vector3d normal{Eigen::Vector3d::UnitZ()};  ///< of a flat one, into the void
 };
 

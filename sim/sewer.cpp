@@ -158,8 +158,8 @@ Bed BedOn(const SweptAxis& axis, double radius_m, double height_m, double from_m
   bed.corners = outline.size();
   std::copy(outline.begin(), outline.end(), bed.outline.begin());
   const double above = std::min(0.0, top);
-  bed.half_width_m = WithinBend(
-      axis, std::sqrt(radius_m * radius_m - above * above) + 0.4 * kRoot_m);
+  bed.half_width_m =
+      WithinBend(axis, std::sqrt(radius_m * radius_m - above * above) + 0.4 * kRoot_m);
   return bed;
 }
 

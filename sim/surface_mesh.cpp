@@ -36,10 +36,10 @@ void Check(const VoidPrimitive& primitive, std::size_t index) {
   const bool sound =
       primitive.length_m > 0.0 && primitive.radius_m > 0.0 && std::isfinite(primitive.length_m) &&
       std::isfinite(primitive.radius_m) &&
-      std::abs(primitive.curvature) * primitive.radius_m < 1.0 &&
-      turn < 2.0 * std::numbers::pi && primitive.X_WS.matrix().allFinite() &&
-      (primitive.profile == Profile::kRound || (primitive.wall_height_m > -primitive.radius_m &&
-                                                std::isfinite(primitive.wall_height_m)));
+      std::abs(primitive.curvature) * primitive.radius_m < 1.0 && turn < 2.0 * std::numbers::pi &&
+      primitive.X_WS.matrix().allFinite() &&
+      (primitive.profile == Profile::kRound ||
+       (primitive.wall_height_m > -primitive.radius_m && std::isfinite(primitive.wall_height_m)));
   if (!sound) {
     throw std::invalid_argument(fmt::format(
         "primitive {} cannot be tessellated: length {} m, radius {} m, curvature {} 1/m, wall {} m",

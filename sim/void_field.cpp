@@ -281,7 +281,7 @@ Wall VoidField::NearestWall(const Nearby& nearby, const Vector3d& p_W, double ca
   GroundSearch search(p_W, cap_m);
   const VoidPrimitive* deepest = nullptr;
   Walls walls;
-  Wall ground{-kInfinity, Vector3d::UnitZ()};
+  Wall ground{-kLargestReach_m, Vector3d::UnitZ()};
   bool far = false;
   for (const VoidPrimitive* primitive : nearby.voids_) {
     const Walls around = WallsAround(*primitive, p_W, cap_m);

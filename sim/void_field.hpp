@@ -51,7 +51,7 @@ class VoidField {
 
   /// Signed distance to the nearest wall, no more than `cap_m`, and its normal there (into the
   /// void). Negative in the ground and in solids, where it is the depth below the nearest wall as
-  /// far as `nearby` reaches.
+  /// far as `nearby` reaches, and at most kLargestReach_m.
   [[nodiscard]] static Wall NearestWall(const Nearby& nearby, const Eigen::Vector3d& p_W,
                                         double cap_m);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
 
 #include "base/random.hpp"
@@ -26,15 +27,18 @@ struct WallPoint {
   bool on_edge{};  ///< another wall within 5 mm
 };
 
-/// The six kinds of place that the three are compared at.
-enum class Place { kStraight, kJoint, kMouth, kChannel, kBend, kInlet };
+/// The kinds of place that the three are compared at.
+enum class Place { kStraight, kJoint, kMouth, kChannel, kBend, kInlet, kStep, kFloor, kSolid };
 
-class Agreement : public testing::Test {
+class AgreementIn : public testing::Test {
  protected:
+  explicit AgreementIn(const std::string& network)
+      : sewer_(BuildSewer(network::ReadNetwork(KANTARO_SOURCE_DIR "/models/networks/" + network))) {
+  }
+
   static constexpr double kBack_m = 0.03;  ///< looked at from so far inside the void
 
-  Sewer sewer_ =
-      BuildSewer(network::ReadNetwork(KANTARO_SOURCE_DIR "/models/networks/test_field.yaml"));
+  Sewer sewer_;
   VoidField field_{sewer_.voids, sewer_.solids};
   SurfaceMesh mesh_ = Tessellate(sewer_.voids, sewer_.solids);
   RayCaster rays_{mesh_};
@@ -54,8 +58,19 @@ class Agreement : public testing::Test {
         return v.feature == Feature::kBend;
       case Place::kInlet:
         return v.feature == Feature::kInlet;
+      case Place::kFloor:
+        return v.feature == Feature::kShaft;
+      case Place::kStep:
+      case Place::kSolid:
+        break;
     }
     return false;
+  }
+  [[nodiscard]] bool IsCandidate(const VoidPrimitive& v, Place place) const {
+    if (place != Place::kStep) return Matches(v, place);
+    const Part& part = sewer_.parts[v.part];
+    return Matches(v, Place::kStraight) && part.kind == Part::Kind::kPipe &&
+           !sewer_.network.pipes[part.index].diameter_changes.empty();
   }
 
   /// A point of the side of one primitive, drawn evenly; for mouths, within 10 mm of its start (or
@@ -71,24 +86,66 @@ class Agreement : public testing::Test {
     return FromSweep(v, point);
   }
 
-  /// Draws until the point is wall (no other void takes it away) and can be looked at from inside.
-  WallPoint Draw(Place place, RandomStream& random) const {
+  /// A point of a cap of one primitive: steps are at either end, floors at a shaft's start.
+  Vector3d DrawOnCap(const VoidPrimitive& v, Place place, RandomStream& random) const {
+    const bool start = place == Place::kFloor || random.Index(2) == 0;
+    const double r = v.radius_m;
+    return FromSweep(v, {start ? 0.0 : v.length_m, random.Uniform(-r, r), random.Uniform(-r, r)});
+  }
+
+  /// A point of some void's wall, unless another void or a solid takes it away.
+  std::optional<WallPoint> DrawOnVoid(Place place, RandomStream& random) const {
     std::vector<const VoidPrimitive*> candidates;
     for (const VoidPrimitive& v : sewer_.voids) {
-      if (Matches(v, place)) candidates.push_back(&v);
+      if (IsCandidate(v, place)) candidates.push_back(&v);
     }
+    const VoidPrimitive& v = *candidates[random.Index(candidates.size())];
+    const bool cap = place == Place::kStep || place == Place::kFloor;
+    const Vector3d p = cap ? DrawOnCap(v, place, random) : DrawOnSide(v, place, random);
+    const Walls walls = WallsAround(v, p);
+    const auto on =
+        std::find_if(walls.wall.begin() + (cap ? 1 : 0), walls.wall.begin() + walls.count,
+                     [](const Wall& wall) { return std::abs(wall.distance_m) < 1e-9; });
+    const bool taken =
+        std::any_of(sewer_.voids.begin(), sewer_.voids.end(), [&](const VoidPrimitive& other) {
+          return &other != &v && InsideDistance(other, p) > 1e-5;
+        });
+    const bool outside = std::any_of(walls.wall.begin(), walls.wall.begin() + walls.count,
+                                     [](const Wall& wall) { return wall.distance_m < -1e-9; });
+    const bool hidden = std::any_of(
+        sewer_.solids.begin(), sewer_.solids.end(),
+        [&](const SolidPrimitive& solid) { return SurfaceOf(solid, p).distance_m < 1e-5; });
+    if (taken || outside || hidden || on == walls.wall.begin() + walls.count) return {};
+    return WallPoint{p, on->normal_W};
+  }
+
+  /// A point of some solid's surface that stands in the open.
+  std::optional<WallPoint> DrawOnSolid(RandomStream& random) const {
+    const SolidPrimitive& solid = sewer_.solids[random.Index(sewer_.solids.size())];
+    const Eigen::AlignedBox3d box = BoundingBox(solid);
+    Vector3d p;
+    for (int i = 0; i < 3; ++i) p[i] = random.Uniform(box.min()[i], box.max()[i]);
+    Wall surface = SurfaceOf(solid, p);
+    p -= surface.distance_m * surface.normal_W;
+    surface = SurfaceOf(solid, p + 1e-4 * surface.normal_W);
+    if (std::abs(SurfaceOf(solid, p).distance_m) > 1e-7) return {};
+    const bool open =
+        std::any_of(sewer_.voids.begin(), sewer_.voids.end(),
+                    [&](const VoidPrimitive& v) { return InsideDistance(v, p) > 0.001; });
+    const bool hidden =
+        std::any_of(sewer_.solids.begin(), sewer_.solids.end(), [&](const SolidPrimitive& other) {
+          return &other != &solid && SurfaceOf(other, p).distance_m < 1e-5;
+        });
+    if (!open || hidden) return {};
+    return WallPoint{p, surface.normal_W};
+  }
+
+  /// Draws until the point is wall and can be looked at from inside.
+  WallPoint Draw(Place place, RandomStream& random) const {
     for (;;) {
-      const VoidPrimitive& v = *candidates[random.Index(candidates.size())];
-      const Vector3d p = DrawOnSide(v, place, random);
-      const Walls walls = WallsAround(v, p);
-      const Vector3d n = walls.wall[0].normal_W;
-      const bool taken =
-          std::any_of(sewer_.voids.begin(), sewer_.voids.end(), [&](const VoidPrimitive& other) {
-            return &other != &v && InsideDistance(other, p) > 1e-5;
-          });
-      const bool capped = std::any_of(walls.wall.begin() + 1, walls.wall.begin() + walls.count,
-                                      [](const Wall& wall) { return wall.distance_m < 0.0; });
-      if (taken || capped) continue;
+      const auto drawn = place == Place::kSolid ? DrawOnSolid(random) : DrawOnVoid(place, random);
+      if (!drawn) continue;
+      const auto& [p, n, unused] = *drawn;
       const double back = place == Place::kJoint ? 0.003 : kBack_m;
       if (VoidField::NearestWall(field_.Around(p + back * n, 0.1), p + back * n, 0.1).distance_m <
           0.5 * back)
@@ -146,12 +203,29 @@ class Agreement : public testing::Test {
   }
 };
 
+class Agreement : public AgreementIn {
+ protected:
+  Agreement() : AgreementIn("test_field.yaml") {}
+};
+class AgreementOfElements : public AgreementIn {
+ protected:
+  AgreementOfElements() : AgreementIn("every_element.yaml") {}
+};
+
 TEST_F(Agreement, OnStraights) { Compare(Place::kStraight, 167); }
 TEST_F(Agreement, InJoints) { Compare(Place::kJoint, 167); }
 TEST_F(Agreement, AtMouths) { Compare(Place::kMouth, 167); }
 TEST_F(Agreement, InChannels) { Compare(Place::kChannel, 167); }
 TEST_F(Agreement, InBends) { Compare(Place::kBend, 166); }
 TEST_F(Agreement, InInlets) { Compare(Place::kInlet, 166); }
+
+TEST_F(AgreementOfElements, OnObstaclesAndProtrudingInlets) { Compare(Place::kSolid, 300); }
+TEST_F(AgreementOfElements, OnSteps) { Compare(Place::kStep, 100); }
+TEST_F(AgreementOfElements, OnFloorsAndBenching) { Compare(Place::kFloor, 100); }
+TEST_F(AgreementOfElements, InMovedJoints) { Compare(Place::kJoint, 100); }
+TEST_F(AgreementOfElements, InChannels) { Compare(Place::kChannel, 100); }
+TEST_F(AgreementOfElements, AtMouthsAndDrops) { Compare(Place::kMouth, 100); }
+TEST_F(AgreementOfElements, InSlantingInlets) { Compare(Place::kInlet, 100); }
 
 }  // namespace
 }  // namespace kantaro::sim
