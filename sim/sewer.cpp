@@ -322,7 +322,7 @@ class Builder {
       block.half_m = Vector3d(obstacle.length_m, obstacle.width_m, height) / 2.0;
       block.X_WB = X_WP;
       block.X_WB.translation() = X_WP * ((top_m + height / 2.0) * outward);
-      block.X_WB.linear().col(1) = X_WP.linear() * Vector3d::UnitX().cross(outward);
+      block.X_WB.linear().col(1) = X_WP.linear() * outward.cross(Vector3d::UnitX());
       block.X_WB.linear().col(2) = X_WP.linear() * outward;
       solid.shape = block;
       solid.start_chainage_m = obstacle.chainage_m - obstacle.length_m / 2.0;

@@ -150,19 +150,31 @@ class AgreementIn : public testing::Test {
       if (VoidField::NearestWall(field_.Around(p + back * n, 0.1), p + back * n, 0.1).distance_m <
           0.5 * back)
         continue;
+      // A groove is looked at from afar; where a joint has moved, its lip may stand in the way.
+      bool in_the_way = false;
+      for (double range = 0.003; place == Place::kJoint && range < 0.1; range += 0.001) {
+        const Vector3d q = p + range * n;
+        in_the_way = in_the_way ||
+                     VoidField::NearestWall(field_.Around(q, 0.01), q, 0.01).distance_m < 0.0005;
+      }
+      if (in_the_way) continue;
       // On an edge the wall of a probe beside the point is another one.
       const Vector3d probe = p + 0.005 * n;
       const double nearest =
           VoidField::NearestWall(field_.Around(probe, 0.05), probe, 0.05).distance_m;
       bool edge = nearest < 0.0049;
+      bool on_rim = false;
+      const auto off_wall = [&](const Vector3d& q) {
+        return std::abs(VoidField::NearestWall(field_.Around(q, 0.05), q, 0.05).distance_m);
+      };
       for (const Vector3d& side : {n.unitOrthogonal().eval(), n.cross(n.unitOrthogonal()).eval()}) {
-        for (const double sign : {-0.005, 0.005}) {
-          const Vector3d beside = p + sign * side;
-          const double there =
-              VoidField::NearestWall(field_.Around(beside, 0.05), beside, 0.05).distance_m;
-          edge = edge || std::abs(there) > 0.001;
+        for (const double sign : {-1.0, 1.0}) {
+          edge = edge || off_wall(p + 0.005 * sign * side) > 0.001;
+          // Facets are true to 0.2 mm: nearer to an edge than that a ray may pass it by.
+          on_rim = on_rim || off_wall(p + 0.0003 * sign * side) > 0.0001;
         }
       }
+      if (on_rim) continue;
       return {p, n, edge};
     }
   }
@@ -198,6 +210,8 @@ class AgreementIn : public testing::Test {
       EXPECT_NEAR(ByRay(at, back), 0.0, tolerance) << at.p_W.transpose();
       // A picture needs its near plane: a groove is looked at from the middle of the pipe.
       const double away = place == Place::kJoint ? 0.1 : back;
+      // Pictures show the dirt on the rims of a moved joint, too.
+      if (place == Place::kJoint && at.on_edge) continue;
       EXPECT_NEAR(ByPicture(at, away), 0.0, tolerance) << at.p_W.transpose();
     }
   }

@@ -8,6 +8,7 @@
 
 #include "sim/contact.hpp"
 #include "sim/sewer.hpp"
+#include "sim/surface_mesh.hpp"
 #include "sim/void_field.hpp"
 
 namespace kantaro::sim {
@@ -153,6 +154,44 @@ TEST(Stub, StandsIntoThePipeAndIsOpenInside) {
   EXPECT_NEAR(Nearest(field, {2.050, 0.12, 0.0}).distance_m, 0.014, 1e-9);
   EXPECT_NEAR(Nearest(field, {2.050, 0.30, 0.0}).distance_m, 0.014, 1e-9);
   EXPECT_NEAR(Nearest(field, {2.066, 0.12, 0.0}).distance_m, -0.002, 1e-9);
+}
+
+// Cameras see faces from the front alone.
+TEST(Solids, TurnTheirFacesOutwards) {
+  network::Network net = Straight();
+  double at = 0.5;
+  for (const auto kind : {network::ObstacleKind::kSediment, network::ObstacleKind::kStone,
+                          network::ObstacleKind::kMortarRidge, network::ObstacleKind::kBrick}) {
+    network::Obstacle obstacle = Something(kind);
+    obstacle.chainage_m = at += 0.5;
+    obstacle.height_m = 0.03;
+    obstacle.length_m = 0.1;
+    obstacle.width_m = kind == network::ObstacleKind::kSediment ? 0.0 : 0.1;
+    net.pipes[0].obstacles.push_back(obstacle);
+  }
+  network::Inlet inlet;
+  inlet.chainage_m = 3.5;
+  inlet.diameter_m = 0.1;
+  inlet.angle_rad = 1.0;
+  inlet.protrusion_m = 0.05;
+  net.pipes[0].inlets = {inlet};
+  const Sewer sewer = BuildSewer(net);
+  ASSERT_EQ(sewer.solids.size(), 5u);
+  const SurfaceMesh mesh = Tessellate(sewer.voids, sewer.solids);
+  std::vector<double> area(5, 0.0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (mesh.owner[t] < sewer.voids.size()) continue;
+    const std::size_t solid = mesh.owner[t] - sewer.voids.size();
+    const auto& [a, b, c] = mesh.triangles[t];
+    const Vector3d twice =
+        (mesh.positions[b] - mesh.positions[a]).cross(mesh.positions[c] - mesh.positions[a]);
+    const Vector3d middle = (mesh.positions[a] + mesh.positions[b] + mesh.positions[c]) / 3.0;
+    area[solid] += 0.5 * twice.norm();
+    if (twice.norm() < 1e-7) continue;
+    EXPECT_GT(SurfaceOf(sewer.solids[solid], middle + 1e-3 * twice.normalized()).distance_m, 0.0);
+    EXPECT_GT(twice.normalized().dot(mesh.normals[a].cast<double>()), 0.98);
+  }
+  for (const double some : area) EXPECT_GT(some, 0.002);
 }
 
 // A wheel that rolls towards a brick meets the floor and the brick's edge.
