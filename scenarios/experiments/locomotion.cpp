@@ -163,7 +163,7 @@ std::vector<Row> ListRows(const std::vector<std::string>& only) {
     if (!only.empty() && std::find(only.begin(), only.end(), drive.name) == only.end()) continue;
     for (const double diameter_m : drive.diameters_m) {
       for (const Condition& condition : kConditions)
-        rows.push_back({&drive, diameter_m, &condition, diameter_m < 0.325});
+        rows.push_back({&drive, diameter_m, &condition, drive.required && diameter_m < 0.325});
     }
   }
   return rows;

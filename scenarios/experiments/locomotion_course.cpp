@@ -16,10 +16,11 @@ using network::Network;
 using network::Pipe;
 
 constexpr double kSpeed_m_s = 0.10;  ///< tread speed on straight stretches
+constexpr double kTurn_m_s = 0.07;   ///< mean of both sides in a manhole's turn: 0.15 outside
 constexpr double kStart_m = 0.5;     ///< chainage where every course starts
-constexpr double kRun_m = 1.0;       ///< from there to the middle of what is to be passed
-constexpr double kBeyond_m = 0.5;    ///< from its end to the goal
-constexpr double kFarEnd_m = 0.7;    ///< pipe behind the goal
+constexpr double kRun_m = 0.8;       ///< from there to the middle of what is to be passed
+constexpr double kBeyond_m = 0.4;    ///< from its end to the goal
+constexpr double kFarEnd_m = 0.6;    ///< pipe behind the goal
 
 double Radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
@@ -29,9 +30,9 @@ Profile Straight(double seconds) { return {{seconds, kSpeed_m_s, kSpeed_m_s}}; }
 
 /// Straight up to `from_m` before the middle of a turn, then one side faster by `ratio` and the
 /// other slower for `turn_s`, then straight. Left is positive.
-Profile Turn(double from_m, double turn_s, double ratio, double then_s) {
+Profile Turn(double from_m, double speed_m_s, double ratio, double turn_s, double then_s) {
   return {{(kRun_m - from_m) / kSpeed_m_s, kSpeed_m_s, kSpeed_m_s},
-          {turn_s, kSpeed_m_s * (1.0 - ratio), kSpeed_m_s * (1.0 + ratio)},
+          {turn_s, speed_m_s * (1.0 - ratio), speed_m_s * (1.0 + ratio)},
           {then_s, kSpeed_m_s, kSpeed_m_s}};
 }
 
@@ -77,6 +78,47 @@ Course WithJoint(double diameter_m, const Joint& at_any_place) {
   Joint joint = at_any_place;
   joint.chainage_m = kMiddle_m;
   course.network.pipes[0].joints = {joint};
+  return course;
+}
+
+Course WithOffset(double diameter_m, double clock_h) {
+  Joint joint;
+  joint.offset_m = 0.010;
+  joint.offset_clock_h = clock_h;
+  return WithJoint(diameter_m, joint);
+}
+
+/// A stone 60 mm across, right in the left wheels' way: a tyre's
+/// tread runs 58 mm beside the middle.
+Course WithLump(double diameter_m, double height_m) {
+  Course course = StraightCourse(diameter_m, 0.0);
+  network::Obstacle lump;
+  lump.name = "lump";
+  lump.kind = network::ObstacleKind::kStone;
+  lump.chainage_m = kMiddle_m;
+  lump.clock_h = 6.0 + std::asin(0.058 / (diameter_m / 2.0 - 0.012)) * 6.0 / std::numbers::pi;
+  lump.height_m = height_m;
+  lump.width_m = lump.length_m = 0.060;
+  course.network.pipes[0].obstacles = {lump};
+  return course;
+}
+
+/// A ring of mortar all round, 20 mm long.
+Course WithRing(double diameter_m, double height_m) {
+  Course course = StraightCourse(diameter_m, 0.0);
+  network::Obstacle ring;
+  ring.name = "ring";
+  ring.kind = network::ObstacleKind::kMortarRidge;
+  ring.chainage_m = kMiddle_m;
+  ring.height_m = height_m;
+  ring.length_m = 0.020;
+  course.network.pipes[0].obstacles = {ring};
+  return course;
+}
+
+Course WithStep(double diameter_m, double next_m) {
+  Course course = StraightCourse(diameter_m, 0.0);
+  course.network.pipes[0].diameter_changes = {{kMiddle_m, next_m, network::Alignment::kInvert}};
   return course;
 }
 
@@ -128,16 +170,19 @@ std::vector<LocomotionCase> MakeCases() {
   return {
       {"straight", "a straight pipe, level", over, kSizes_m,
        [](double d) { return StraightCourse(d, 0.0); }},
-      {"bend_45", "a bend of 45°, centre-line radius 1.5 diameters", Turn(0.3, 6.0, 0.4, 16.0),
-       kSizes_m, [](double d) { return Bend(d, Radians(45.0)); }},
-      {"bend_90", "a bend of 90°, centre-line radius 1.5 diameters", Turn(0.4, 8.0, 0.5, 16.0),
-       kSizes_m, [](double d) { return Bend(d, Radians(90.0)); }},
+      {"bend_45", "a bend of 45°, centre-line radius 1.5 diameters",
+       Turn(0.3, kSpeed_m_s, 0.4, 6.0, 16.0), kSizes_m,
+       [](double d) { return Bend(d, Radians(45.0)); }},
+      {"bend_90", "a bend of 90°, centre-line radius 1.5 diameters",
+       Turn(0.4, kSpeed_m_s, 0.5, 8.0, 16.0), kSizes_m,
+       [](double d) { return Bend(d, Radians(90.0)); }},
       {"tee_left", "from the through line of a tee into its branch on the left",
-       Turn(0.3, 7.0, 0.5, 18.0), kSizes_m,
+       Turn(0.36, kTurn_m_s, 1.1, 9.0, 18.0), kSizes_m,
        [](double d) {
          return Junction(d, {"ahead", "left"}, "left");
        }},
-      {"tee_right", "and into its branch on the right", Turn(0.3, 7.0, -0.5, 18.0), kSizes_m,
+      {"tee_right", "and into its branch on the right", Turn(0.36, kTurn_m_s, -1.1, 9.0, 18.0),
+       kSizes_m,
        [](double d) {
          return Junction(d, {"ahead", "right"}, "right");
        }},
@@ -153,6 +198,30 @@ std::vector<LocomotionCase> MakeCases() {
        [](double d) { return Junction(d, {"ahead"}, "ahead", 0.050); }},
       {"drop_100", "a drop of 100 mm into a manhole, and on", across, kSizes_m,
        [](double d) { return Junction(d, {"ahead"}, "ahead", 0.100); }},
+      {"lump_10", "a lump 10 mm high and 60 mm wide in the left wheels' way", over, kSizes_m,
+       [](double d) { return WithLump(d, 0.010); }},
+      {"lump_20", "a lump 20 mm high and 60 mm wide in the left wheels' way", over, kSizes_m,
+       [](double d) { return WithLump(d, 0.020); }},
+      {"ring_10", "a ring of mortar 10 mm high and 20 mm long, all round", over, kSizes_m,
+       [](double d) { return WithRing(d, 0.010); }},
+      {"ring_20", "the same, 20 mm high", over, kSizes_m,
+       [](double d) { return WithRing(d, 0.020); }, false},
+      {"offset_up_10", "a joint, the next length 10 mm higher", over, kSizes_m,
+       [](double d) { return WithOffset(d, 12.0); }},
+      {"offset_down_10", "a joint, the next length 10 mm lower", over, kSizes_m,
+       [](double d) { return WithOffset(d, 6.0); }},
+      {"offset_lateral_10", "a joint, the next length 10 mm to the right", over, kSizes_m,
+       [](double d) { return WithOffset(d, 3.0); }},
+      {"step_250_300",
+       "from 250 mm into 300 mm in line, the inverts level",
+       over,
+       {0.250},
+       [](double d) { return WithStep(d, 0.300); }},
+      {"step_300_250",
+       "from 300 mm into 250 mm in line, the inverts level",
+       over,
+       {0.300},
+       [](double d) { return WithStep(d, 0.250); }},
       {"gap_20", "a joint 20 mm wide", over, kSizes_m,
        [](double d) {
          Joint joint;

@@ -32,6 +32,7 @@ struct LocomotionCase {
   Profile profile;
   std::vector<double> diameters_m;  ///< of the pipe where it starts
   Course (*course)(double diameter_m);
+  bool required{true};  ///< up to 300 mm; others are reported
 };
 
 /// All cases, in the order of the table.
