@@ -15,7 +15,8 @@ using network::Manhole;
 using network::Network;
 using network::Pipe;
 
-constexpr double kSpeed_m_s = 0.10;  ///< tread speed on straight stretches
+constexpr double kFast_m_s = 0.15;   ///< straight ahead in a pipe: the thesis' 15 cm/s
+constexpr double kSpeed_m_s = 0.10;  ///< tread speed through bends and manholes
 constexpr double kTurn_m_s = 0.07;   ///< mean of both sides in a manhole's turn: 0.15 outside
 constexpr double kStart_m = 0.5;     ///< chainage where every course starts
 constexpr double kRun_m = 0.8;       ///< from there to the middle of what is to be passed
@@ -26,7 +27,7 @@ double Radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 // ---------------------------------------------------------------- profiles
 
-Profile Straight(double seconds) { return {{seconds, kSpeed_m_s, kSpeed_m_s}}; }
+Profile Straight(double speed_m_s, double seconds) { return {{seconds, speed_m_s, speed_m_s}}; }
 
 /// Straight up to `from_m` before the middle of a turn, then one side faster by `ratio` and the
 /// other slower for `turn_s`, then straight. Left is positive.
@@ -165,8 +166,8 @@ Course Junction(double diameter_m, const std::vector<std::string>& ways, const s
 const std::vector<double> kSizes_m{0.200, 0.250, 0.300, 0.350};
 
 std::vector<LocomotionCase> MakeCases() {
-  const Profile over = Straight(25.0);
-  const Profile across = Straight(30.0);
+  const Profile over = Straight(kFast_m_s, 14.0);
+  const Profile across = Straight(kSpeed_m_s, 25.0);
   return {
       {"straight", "a straight pipe, level", over, kSizes_m,
        [](double d) { return StraightCourse(d, 0.0); }},

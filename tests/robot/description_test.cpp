@@ -101,7 +101,7 @@ TEST(Robot, IsNamedAndWeighsTheSumOfItsParts) {
   EXPECT_EQ(Robot().name, "kantaro");
   EXPECT_EQ(Robot().links.front().name, "base");
   // lower box, upper box, laser, three cameras, four wheels with their carriers
-  EXPECT_NEAR(Robot().TotalMass_kg(), 3.2 + 2.4 + 0.2 + (0.08 + 2 * 0.06) + 4 * (0.3 + 0.1), 1e-9);
+  EXPECT_NEAR(Robot().TotalMass_kg(), 2.0 + 1.2 + 0.2 + (0.08 + 2 * 0.06) + 4 * (0.7 + 0.4), 1e-9);
 }
 
 TEST(Robot, ListsParentsBeforeChildrenEachMovedByItsOwnJoint) {
@@ -115,9 +115,9 @@ TEST(Robot, ListsParentsBeforeChildrenEachMovedByItsOwnJoint) {
   }
 }
 
-TEST(Wheels, StandOnACrossOf160By84mm) {
+TEST(Wheels, StandOnACrossOf180By84mm) {
   const std::vector<Vector3d> expected{
-      {0.080, 0.042, 0}, {0.080, -0.042, 0}, {-0.080, 0.042, 0}, {-0.080, -0.042, 0}};
+      {0.090, 0.042, 0}, {0.090, -0.042, 0}, {-0.090, 0.042, 0}, {-0.090, -0.042, 0}};
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_LT((WheelOf(Robot().wheels[i]).center_B - expected[i]).norm(), 1e-12);
   }
@@ -177,7 +177,7 @@ TEST(Suspension, SettlesAtMidTravelUnderTheRobotsWeight) {
     mass += link.inertial->mass_kg;
     moment += link.inertial->mass_kg * (Robot().PoseInBase(link.name) * link.inertial->p_LoLcm_L);
   }
-  EXPECT_NEAR(mass, 6.0, 1e-9);
+  EXPECT_NEAR(mass, 3.6, 1e-9);
   EXPECT_NEAR(moment.x() / mass, 0.0, 0.001);  // or front and rear springs would differ
   EXPECT_NEAR(moment.y() / mass, 0.0, 1e-6);
   ASSERT_EQ(Robot().suspensions.size(), 4U);
