@@ -56,7 +56,8 @@ std::optional<std::filesystem::path> Given(const Value& word) {
 /// Words of the command line, before they are checked.
 struct Words {
   std::vector<std::string> paths, blind, only;
-  std::string file, to, out, junit, baseline, pipe, chainage, pipes, length, spacing, count, page;
+  std::string file, to, out, junit, baseline, pipe, chainage, pipes, length, spacing, count, page,
+      from;
   std::string seed{"1"}, seeds{"1"}, jobs, robot{"models/kantaro"};
   bool record{}, json{};
 };
@@ -126,6 +127,7 @@ int Dispatch(const CLI::App& app, const Words& words) {
     request.jobs = ParseJobs(words.jobs);
     request.robot_folder = words.robot;
     request.out = words.out.empty() ? "runs/experiments" : words.out;
+    request.from = Given(words.from);
     request.page = Given(words.page);
     request.json = words.json;
     return scenarios::RunExperiments(request, std::cout);
@@ -206,6 +208,7 @@ void Declare(CLI::App& app, Words& words) {
   experiment->add_option("--jobs", words.jobs, "threads (default: one for each core)");
   experiment->add_option("--robot", words.robot, "the robot's folder (default models/kantaro)");
   experiment->add_option("--out", words.out, "folder for NAME.json (default runs/experiments)");
+  experiment->add_option("--from", words.from, "folder of NAME.json: show that, run nothing");
   experiment->add_option("--page", words.page, "write the page of results here");
 }
 

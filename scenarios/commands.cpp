@@ -91,6 +91,31 @@ Result RunOne(const Scenario& scenario, std::uint64_t seed, const std::filesyste
   return run.result;
 }
 
+Json Measure(const Experiment& experiment, const ExperimentRequest& request) {
+  const ProgressLine line;
+  const auto progress = [&](std::size_t done, std::size_t all) {
+    line.Show(fmt::format("{}: {} of {} runs", experiment.name, done, all));
+  };
+  return experiment.run(
+      {request.robot_folder, request.seed, request.count, request.only, request.jobs, progress});
+}
+
+Json ReadMeasured(const Experiment& experiment, const std::filesystem::path& file) {
+  try {
+    Json result = Json::parse(ReadInputFile(file));
+    if (result.at("experiment") == experiment.name) {
+      // Touch all that is used, so that a file of another kind is refused as a whole.
+      static_cast<void>(experiment.table(result) + experiment.chapter(result));
+      static_cast<void>(result.at("passed").get<bool>());
+      return result;
+    }
+  } catch (const Json::exception&) {
+    // said below
+  }
+  throw InputError(file, {}, "",
+                   fmt::format("not a result of the experiment \"{}\"", experiment.name));
+}
+
 std::string BlindWords(const std::set<Sense>& blind) {
   std::string words;
   for (const Sense sense : blind) words += (words.empty() ? "" : ",") + ToString(sense);
@@ -198,17 +223,10 @@ int RunExperiments(const ExperimentRequest& request, std::ostream& out) {
   std::vector<Json> results;
   bool passed = true;
   for (const Experiment& experiment : experiments) {
-    ExperimentOptions options{request.robot_folder, request.seed, request.count,
-                              request.only,         request.jobs, {}};
-    {
-      const ProgressLine line;
-      options.progress = [&](std::size_t done, std::size_t all) {
-        line.Show(fmt::format("{}: {} of {} runs", experiment.name, done, all));
-      };
-      results.push_back(experiment.run(options));
-    }
-    const std::filesystem::path file = request.out / (experiment.name + ".json");
-    WriteFileAtomically(file, results.back().dump(2) + "\n");
+    const std::filesystem::path file =
+        request.from.value_or(request.out) / (experiment.name + ".json");
+    results.push_back(request.from ? ReadMeasured(experiment, file) : Measure(experiment, request));
+    if (!request.from) WriteFileAtomically(file, results.back().dump(2) + "\n");
     passed = passed && results.back().at("passed").get<bool>();
     if (!request.json)
       out << experiment.table(results.back()) << "results: " << file.string() << '\n' << std::flush;

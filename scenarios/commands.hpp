@@ -80,6 +80,7 @@ struct ExperimentRequest {
   unsigned jobs{1};
   std::filesystem::path robot_folder;
   std::filesystem::path out;                  ///< folder for NAME.json
+  std::optional<std::filesystem::path> from;  ///< folder of NAME.json: show it, run nothing
   std::optional<std::filesystem::path> page;  ///< where to write the page of results
   bool json{};
 };

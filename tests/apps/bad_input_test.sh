@@ -142,6 +142,9 @@ mkdir precious && echo thesis >precious/chapter1.txt
 refused "unknown experiment" 'NAME: "flight" is no experiment; known are all, .*' experiment flight --out out
 refused "experiment without runs" '--count: "0" is not a number .*' experiment locomotion --count 0 --out out
 refused "experiment with an unknown case" '--only: "loop" is no case; known are straight, .*' experiment locomotion --only loop --robot "$source/models/kantaro" --out out
+refused "page from no measurement" "nowhere/locomotion.json: no such file" experiment all --from nowhere --page out
+echo '{"experiment": "locomotion", "rows": 3}' >locomotion.json
+refused "page from another file" './locomotion.json: not a result of the experiment "locomotion"' experiment all --from . --page out
 refused "experiment without a robot" "nowhere/cameras.yaml: no such file" experiment locomotion --robot nowhere --out out
 refused "another's folder as output" "precious: holds files of another kind.*" run good.yaml --out precious
 [ "$(cat precious/chapter1.txt)" = thesis ] || { echo "another's file was touched"; failures=$((failures + 1)); }

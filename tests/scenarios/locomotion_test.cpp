@@ -70,6 +70,16 @@ TEST(DriveCourse, ReachesTheGoalOfAStraightPipe) {
   EXPECT_EQ(outcome.reason, "");
 }
 
+// A taste of the whole experiment: where the robot of an earlier design fell over or stuck, wet.
+TEST(DriveCourse, PassesTheHardestOfEachKind) {
+  for (const auto& [name, diameter_m] :
+       {std::pair{"bend_90", 0.200}, std::pair{"tee_left", 0.300}, std::pair{"drop_100", 0.300},
+        std::pair{"ring_10", 0.250}, std::pair{"lump_20", 0.250}}) {
+    const LocomotionOutcome outcome = DriveOnce(name, diameter_m, 0.3, CaseNamed(name).profile);
+    EXPECT_TRUE(outcome.passed) << name << ": " << outcome.reason;
+  }
+}
+
 TEST(LocomotionExperiment, GivesTheSameRowsOnOneThreadAndOnTwo) {
   ExperimentOptions options{kRobot, 1, 1, {"straight"}, 1, [](std::size_t, std::size_t) {}};
   const nlohmann::ordered_json alone = LocomotionExperiment().run(options);
