@@ -24,8 +24,8 @@ using testing::HasSubstr;
 using testing::Not;
 
 // By the shaft's geometry (R = 0.4 m, ρ = 0.264 m): the bend begins R − ρ = 0.136 m behind the
-// wall, and steering begins when the front axle (80 mm before the base) is 60 mm short of it.
-constexpr double kTurnBegins_m = 0.136 - 0.08 - 0.06;
+// wall, and steering begins when the front axle (90 mm before the base) is 60 mm short of it.
+constexpr double kTurnBegins_m = 0.136 - 0.09 - 0.06;
 // The laser, 170 mm behind the base, sees the branch 0.207 m behind the wall: where the inner wall
 // of its channel, of radius ρ − D/2 = 0.114 m about (0.136, 0.264), is 0.175 m from the axis, at
 // 0.136 + √(0.114² − 0.089²). Three revolutions settle it.

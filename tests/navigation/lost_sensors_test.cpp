@@ -23,7 +23,7 @@ using robot::RunTime;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr double kTurnBegins_m = 0.136 - 0.08 - 0.06;  // executive_test.cpp
+constexpr double kTurnBegins_m = 0.136 - 0.09 - 0.06;  // executive_test.cpp
 
 RunTime At(double time_s) { return RunTime(static_cast<RunTime::rep>(time_s * 1e9)); }
 

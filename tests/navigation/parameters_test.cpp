@@ -89,7 +89,7 @@ TEST(RobotGeometry, ComesFromTheDescription) {
   EXPECT_NEAR(geometry.laser_x_m, -0.17, 1e-9);
   EXPECT_NEAR(geometry.infrared_x_m, 0.11, 1e-9);
   EXPECT_NEAR(geometry.camera_x_m, 0.148, 1e-9);
-  EXPECT_NEAR(geometry.front_axle_x_m, 0.08, 1e-9);
+  EXPECT_NEAR(geometry.front_axle_x_m, 0.09, 1e-9);
   EXPECT_NEAR(geometry.tyre_radius_m, 0.045, 1e-9);
 }
 

@@ -15,7 +15,7 @@
 namespace kantaro::navigation {
 
 /// Where things sit on KANTARO (models/kantaro/kantaro.urdf).
-inline RobotGeometry Kantaro() { return {-0.17, 0.11, 0.148, 0.08, 0.045}; }
+inline RobotGeometry Kantaro() { return {-0.17, 0.11, 0.148, 0.09, 0.045}; }
 
 /// models/kantaro/navigation.yaml
 [[nodiscard]] Parameters ShippedParameters();
