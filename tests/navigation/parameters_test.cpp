@@ -81,7 +81,7 @@ TEST(NavigationParameters, RefusesAMissingFile) {
   EXPECT_THROW((void)ReadParameters("no/such/navigation.yaml"), InputError);
 }
 
-// The URDF: laser 170 mm behind the base, IR 110 mm and camera 148 mm before it, front wheels at 80
+// The URDF: laser 170 mm behind the base, IR 110 mm and camera 148 mm before it, front wheels at 90
 // mm; tyres of 45 mm.
 TEST(RobotGeometry, ComesFromTheDescription) {
   const RobotGeometry geometry =
