@@ -52,7 +52,8 @@ inline constexpr double kStraightOn_rad = 0.26;
 /// The map of a route from manhole to manhole, over the manholes in between if any are named.
 /// Lengths and landmark distances of a pipe are multiplied by its `length_factor` (1 where absent):
 /// real maps are some percent off.
-/// @throws std::invalid_argument if there is no way (see network::ShortestRoute); std::out_of_range for unknown names.
+/// @throws std::invalid_argument if there is no way (see network::ShortestRoute); std::out_of_range
+/// for unknown names.
 [[nodiscard]] MapRoute MakeRoute(const network::Network& network,
                                  const std::vector<std::string>& manholes,
                                  const std::map<std::string, double>& length_factor);

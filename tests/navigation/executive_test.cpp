@@ -363,8 +363,7 @@ TEST(Executive, TakesNoJunctionOfTheManholeItLeavesForTheNext) {
   ExpectArrival(puppet, 2);
   ASSERT_EQ(puppet.turns().size(), 2u) << puppet.story();
   EXPECT_NEAR(puppet.turns()[1].beyond_m, kTurnBegins_m, 0.02);
-  EXPECT_NE(puppet.story().find("back up", puppet.story().find(": manhole Y")),
-            std::string::npos)
+  EXPECT_NE(puppet.story().find("back up", puppet.story().find(": manhole Y")), std::string::npos)
       << puppet.story();
 }
 
