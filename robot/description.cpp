@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 #include <utility>
@@ -253,6 +254,13 @@ double Description::TotalMass_kg() const {
   double mass_kg = 0.0;
   for (const Link& link : links) mass_kg += link.inertial ? link.inertial->mass_kg : 0.0;
   return mass_kg;
+}
+
+double Description::SpeedLimit_rad_s() const {
+  double limit_rad_s = std::numeric_limits<double>::infinity();
+  for (const auto& [wheel, motor] : motors)
+    limit_rad_s = std::min(limit_rad_s, motor.speed_limit_rad_s);
+  return limit_rad_s;
 }
 
 double Description::MastHeight(double diameter_m) const {

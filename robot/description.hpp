@@ -130,6 +130,8 @@ struct Description {
   /// Pose of a link in the base at joint positions zero.
   [[nodiscard]] Eigen::Isometry3d PoseInBase(const std::string& link) const;
   [[nodiscard]] double TotalMass_kg() const;
+  /// Fastest that all wheels can turn.
+  [[nodiscard]] double SpeedLimit_rad_s() const;
   /// Mast height set for a pipe of this diameter [m]. @throws std::out_of_range below the smallest
   /// listed.
   [[nodiscard]] double MastHeight(double diameter_m) const;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <chrono>
+#include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <variant>
 #include <vector>
@@ -66,14 +67,62 @@ struct InertialReading {
   Eigen::Vector3d specific_force_m_s2{Eigen::Vector3d::Zero()};
 };
 
+/// How the base lies against gravity. A pendulum: wrong while the robot accelerates.
+struct Inclination {
+  double roll_rad{};   ///< about Bx, positive if the left side is high
+  double pitch_rad{};  ///< about By, positive if the nose is low
+};
+
+/// Horizontal heading.
+struct CompassHeading {
+  double heading_rad{};  ///< of Bx from magnetic north, clockwise from above, 0 <= h < 2π
+  bool disturbed{};      ///< the field is not the earth's: iron is near, or a motor
+};
+
+/// The pack that everything on board draws from.
+struct BatteryState {
+  double voltage_V{};
+  double current_A{};  ///< drawn, positive
+  double charge{};     ///< left, 0 to 1
+};
+
+/// What readings come from.
+enum class Sensor : std::uint8_t {
+  kFrontCamera,
+  kStereoCameras,
+  kLaser,
+  kInfrared,
+  kEncoders,
+  kInertial,
+  kInclinometer,
+  kCompass,
+  kBattery
+};
+inline constexpr std::size_t kSensorCount = 9;
+
+/// Readings that were due and did not come, told by the hardware layer itself. Captured when the
+/// first of them should have been.
+struct Loss {
+  Sensor sensor{};
+  std::uint32_t readings{};  ///< lost since the last good reading or the last Loss of this sensor
+  bool line_down{};          ///< nothing at all comes from there any more
+};
+
 /// What the hardware hands over.
 struct Reading {
   RunTime captured_at{};  ///< when the light or the angle was measured (a laser revolution: its
                           ///< last beam)
   RunTime arrived_at{};   ///< when it was handed over, captured_at + latency
-  std::variant<FrontImage, StereoPair, LaserRevolution, IrRanges, WheelEncoders, InertialReading>
+  std::variant<FrontImage, StereoPair, LaserRevolution, IrRanges, WheelEncoders, InertialReading,
+               Inclination, CompassHeading, BatteryState, Loss>
       value;
 };
+
+/// Where a reading came from, or failed to come from.
+[[nodiscard]] Sensor SensorOf(const Reading& reading);
+/// "front_camera", "stereo_cameras", "laser", "infrared", "encoders", "inertial", "inclinometer",
+/// "compass", "battery".
+[[nodiscard]] const char* ToString(Sensor sensor);
 
 /// What the robot is told to do; holds until the next command.
 struct Command {

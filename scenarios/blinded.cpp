@@ -1,19 +1,21 @@
 #include "scenarios/blinded.hpp"
 
-#include <variant>
-
 namespace kantaro::scenarios {
 namespace {
 
 /// Absent for what is never taken from the robot: its wheels and its inertial unit.
 std::optional<Sense> SenseOf(const robot::Reading& reading) {
-  if (std::holds_alternative<robot::LaserRevolution>(reading.value)) return Sense::kLaser;
-  if (std::holds_alternative<robot::IrRanges>(reading.value)) return Sense::kInfrared;
-  if (std::holds_alternative<robot::FrontImage>(reading.value) ||
-      std::holds_alternative<robot::StereoPair>(reading.value)) {
-    return Sense::kCameras;
+  switch (robot::SensorOf(reading)) {
+    case robot::Sensor::kLaser:
+      return Sense::kLaser;
+    case robot::Sensor::kInfrared:
+      return Sense::kInfrared;
+    case robot::Sensor::kFrontCamera:
+    case robot::Sensor::kStereoCameras:
+      return Sense::kCameras;
+    default:
+      return {};
   }
-  return {};
 }
 
 }  // namespace

@@ -18,7 +18,10 @@ class Blinded : public robot::Hardware {
       : hardware_(hardware), dead_(std::move(dead)) {}
 
   [[nodiscard]] std::optional<robot::Reading> Read() override;
-  void Apply(const robot::Command& command) override { hardware_.Apply(command); }
+  robot::CommandOutcome Apply(const robot::Command& command) override {
+    return hardware_.Apply(command);
+  }
+  void Stop() override { hardware_.Stop(); }
   [[nodiscard]] robot::RunTime Now() const override { return hardware_.Now(); }
 
  private:

@@ -37,6 +37,18 @@ class Feed {
     for (int i = 0; i < 3; ++i)
       Numbers(inertial.angular_velocity_rad_s[i], inertial.specific_force_m_s2[i]);
   }
+  void operator()(const robot::Inclination& inclination) {
+    Numbers(inclination.roll_rad, inclination.pitch_rad);
+  }
+  void operator()(const robot::CompassHeading& compass) {
+    Numbers(compass.heading_rad, compass.disturbed);
+  }
+  void operator()(const robot::BatteryState& battery) {
+    Numbers(battery.voltage_V, battery.current_A, battery.charge);
+  }
+  void operator()(const robot::Loss& loss) {
+    Numbers(static_cast<std::uint8_t>(loss.sensor), loss.readings, loss.line_down);
+  }
 
  private:
   template <typename Value>

@@ -93,15 +93,24 @@ class Twin::Impl {
     return std::move(next.reading);
   }
 
-  void Apply(const robot::Command& command) {
+  robot::CommandOutcome Apply(const robot::Command& command) {
     if (!std::isfinite(command.left_rad_s) || !std::isfinite(command.right_rad_s)) {
       throw std::invalid_argument("a wheel speed is no number");
     }
     if (!(command.lights >= 0.0 && command.lights <= 1.0))
       throw std::invalid_argument("lights must be 0 to 1");
+    if (stopped_) return robot::CommandOutcome::kRefused;
     lights_ = command.lights;
     physics_.Drive(command.left_rad_s * (1.0 + conditions_.left_right_mismatch),
                    command.right_rad_s * (1.0 - conditions_.left_right_mismatch));
+    const double fastest = std::max(std::abs(command.left_rad_s), std::abs(command.right_rad_s));
+    return fastest > description_.SpeedLimit_rad_s() ? robot::CommandOutcome::kLimited
+                                                     : robot::CommandOutcome::kHonoured;
+  }
+
+  void Stop() {
+    stopped_ = true;
+    physics_.Drive(0.0, 0.0);
   }
 
   RunTime Now() const { return now_; }
@@ -255,6 +264,7 @@ class Twin::Impl {
   std::map<std::pair<RunTime, std::uint64_t>, Pending> pending_;
   RunTime now_{};
   double lights_{1.0};
+  bool stopped_{};
   bool upper_box_touched_{};
 };
 
@@ -263,7 +273,8 @@ Twin::Twin(World world, const robot::Description& description, const Conditions&
 Twin::~Twin() = default;
 
 std::optional<Reading> Twin::Read() { return impl_->Read(); }
-void Twin::Apply(const robot::Command& command) { impl_->Apply(command); }
+robot::CommandOutcome Twin::Apply(const robot::Command& command) { return impl_->Apply(command); }
+void Twin::Stop() { impl_->Stop(); }
 RunTime Twin::Now() const { return impl_->Now(); }
 GroundTruth Twin::Truth() { return impl_->Truth(); }
 

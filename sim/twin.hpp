@@ -67,7 +67,8 @@ class Twin : public robot::Hardware {
   ~Twin() override;
 
   [[nodiscard]] std::optional<robot::Reading> Read() override;
-  void Apply(const robot::Command& command) override;
+  robot::CommandOutcome Apply(const robot::Command& command) override;
+  void Stop() override;
   [[nodiscard]] robot::RunTime Now() const override;
 
   [[nodiscard]] GroundTruth Truth();

@@ -31,6 +31,35 @@ struct CommandLayout {
   static constexpr std::array kNames{"left_rad_s", "right_rad_s", "lights"};
 };
 
+/// How the base lies against gravity [rad].
+struct InclinationLayout {
+  static constexpr const char* kType = "kantaro_msgs/Inclination";
+  static constexpr const char* kMd5 = "5915e330ca7976ae91c8b8d717f3198c";
+  static constexpr std::array kNames{"roll_rad", "pitch_rad"};
+};
+
+/// Heading from magnetic north, clockwise from above [rad]; `disturbed` is 0 or 1.
+struct CompassLayout {
+  static constexpr const char* kType = "kantaro_msgs/Compass";
+  static constexpr const char* kMd5 = "96b0936274b4307b06f8bff5fd4418b0";
+  static constexpr std::array kNames{"heading_rad", "disturbed"};
+};
+
+/// The pack: terminal voltage, current drawn, charge left, 0 to 1.
+struct BatteryLayout {
+  static constexpr const char* kType = "kantaro_msgs/Battery";
+  static constexpr const char* kMd5 = "e813db0668cf37e882bc575ae010ecec";
+  static constexpr std::array kNames{"voltage_V", "current_A", "charge"};
+};
+
+/// Readings that were due and did not come: the sensor's number in robot::Sensor, how many, and
+/// whether its line is down, 0 or 1.
+struct LossLayout {
+  static constexpr const char* kType = "kantaro_msgs/Loss";
+  static constexpr const char* kMd5 = "0200073093b7c041de15f97a91e3b635";
+  static constexpr std::array kNames{"sensor", "readings", "line_down"};
+};
+
 }  // namespace kantaro::robot
 
 namespace ros::message_traits {

@@ -175,10 +175,32 @@ class Recorder::Impl {
     Put("/laser/scan", arrived_at_, scan);
   }
 
+  template <typename Layout>
+  void PutRow(const char* topic, const std::array<double, Layout::kNames.size()>& values) {
+    auto row = Stamped<Row<Layout>>(captured_at_, "");
+    row.values = values;
+    Put(topic, arrived_at_, row);
+  }
+
   void Write(const IrRanges& ranges) {
-    auto row = Stamped<Row<InfraredLayout>>(captured_at_, "");
-    row.values = {ranges.up.value, ranges.left.value, ranges.right.value};
-    Put("/infrared", arrived_at_, row);
+    PutRow<InfraredLayout>("/infrared", {ranges.up.value, ranges.left.value, ranges.right.value});
+  }
+
+  void Write(const Inclination& inclination) {
+    PutRow<InclinationLayout>("/inclination", {inclination.roll_rad, inclination.pitch_rad});
+  }
+
+  void Write(const CompassHeading& compass) {
+    PutRow<CompassLayout>("/compass", {compass.heading_rad, compass.disturbed ? 1.0 : 0.0});
+  }
+
+  void Write(const BatteryState& battery) {
+    PutRow<BatteryLayout>("/battery", {battery.voltage_V, battery.current_A, battery.charge});
+  }
+
+  void Write(const Loss& loss) {
+    PutRow<LossLayout>("/loss", {static_cast<double>(loss.sensor),
+                                 static_cast<double>(loss.readings), loss.line_down ? 1.0 : 0.0});
   }
 
   void Write(const WheelEncoders& encoders) {

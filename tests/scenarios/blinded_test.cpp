@@ -17,7 +17,11 @@ class Script : public robot::Hardware {
     readings_.pop_front();
     return next;
   }
-  void Apply(const robot::Command& command) override { applied = command; }
+  robot::CommandOutcome Apply(const robot::Command& command) override {
+    applied = command;
+    return robot::CommandOutcome::kHonoured;
+  }
+  void Stop() override { applied = {}; }
   [[nodiscard]] robot::RunTime Now() const override { return {}; }
   robot::Command applied;
 
