@@ -58,7 +58,7 @@ struct Words {
   std::vector<std::string> paths, blind, only;
   std::string file, to, out, junit, baseline, pipe, chainage, pipes, length, spacing, count, page,
       from;
-  std::string seed{"1"}, seeds{"1"}, jobs, robot{"models/kantaro"};
+  std::string seed{"1"}, seeds{"1"}, jobs, robot{"models/kantaro"}, hardware{"sim"};
   bool record{}, json{};
 };
 
@@ -93,6 +93,7 @@ int Dispatch(const CLI::App& app, const Words& words) {
                                   ParseSeed(words.seed),
                                   Given(words.out),
                                   ParseBlind(words.blind),
+                                  scenarios::ParseHardware(words.hardware),
                                   words.record,
                                   words.json};
     return scenarios::Run(request, std::cout);
@@ -154,6 +155,7 @@ void Declare(CLI::App& app, Words& words) {
       ->delimiter(',')
       ->allow_extra_args(false);
 
+  run->add_option("--hardware", words.hardware, "what to drive: sim (default)");
   run->add_flag("--record", words.record, "write every reading and command as a ROS bag");
 
   CLI::App* suite = command(

@@ -43,7 +43,8 @@ std::string ResultText(const Result& result, const std::filesystem::path& folder
                   result.seed, result.verdict.passed ? "passed" : "FAILED", result.timing.sim_s,
                   result.timing.RealTimeFactor());
   for (const Check& check : result.verdict.checks) {
-    text += fmt::format("  {} {:<26}{}\n", check.passed ? "ok  " : "FAIL", check.name, check.text);
+    const char* mark = !check.judged ? "-   " : check.passed ? "ok  " : "FAIL";
+    text += fmt::format("  {} {:<26}{}\n", mark, check.name, check.text);
   }
   return text + fmt::format("report: {}\n", (folder / "report.html").string());
 }
@@ -77,15 +78,17 @@ std::filesystem::path RecordingOf(const std::filesystem::path& folder) {
   return file;
 }
 
-Result RunOne(const Scenario& scenario, std::uint64_t seed, const std::filesystem::path& folder,
-              bool record) {
+Result RunOne(const Scenario& scenario, const RunRequest& request,
+              const std::filesystem::path& folder) {
+  const std::uint64_t seed = request.seed;
   const ProgressLine line;
   RunOptions options;
+  options.hardware = request.hardware;
   options.progress = [&](double sim_s, double limit_s) {
     line.Show(fmt::format("{} seed {}: {:.0f} s of at most {:.0f} s", scenario.name, seed, sim_s,
                           limit_s));
   };
-  if (record) options.recording = RecordingOf(folder);
+  if (request.record) options.recording = RecordingOf(folder);
   const MissionRun run = RunMission(scenario, seed, options);
   WriteRun(folder, scenario, run, options.recording);
   return run.result;
@@ -142,7 +145,7 @@ int Run(const RunRequest& request, std::ostream& out) {
   bool passed = true;
   for (const Scenario& scenario : scenarios) {
     const std::filesystem::path folder = FolderOf(request, scenario);
-    const Result result = RunOne(scenario, request.seed, folder, request.record);
+    const Result result = RunOne(scenario, request, folder);
     passed = passed && result.verdict.passed;
     results.push_back(ToJson(result));
     if (!request.json) out << ResultText(result, folder) << std::flush;

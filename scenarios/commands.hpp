@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "network/generator.hpp"
+#include "scenarios/body.hpp"
 #include "scenarios/scenario.hpp"
 
 namespace kantaro::scenarios {
@@ -29,7 +30,8 @@ struct RunRequest {
   std::optional<std::filesystem::path>
       out;                ///< the run folder; of several scenarios, the folder of their run folders
   std::set<Sense> blind;  ///< beside the scenarios' own
-  bool record{};          ///< writes `recording.bag` into the run folder
+  HardwareChoice hardware;  ///< what is driven
+  bool record{};            ///< writes `recording.bag` into the run folder
   bool json{};
 };
 /// Runs each scenario once. With several, the JSON document is a list of results.

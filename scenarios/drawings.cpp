@@ -439,16 +439,17 @@ std::vector<Panel> TimePanels(const Scenario& scenario, const MissionTrace& trac
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::vector<Point> truth, estimate, error;
   RouteRuler truth_ruler(scenario), estimate_ruler(scenario);
-  for (std::size_t i = 0; i < trace.truth.size(); ++i) {
-    const TruthSample& t = trace.truth[i];
+  for (std::size_t i = 0; i < trace.estimate.size(); ++i) {
     const EstimateSample& e = trace.estimate[i];
-    truth.emplace_back(t.time_s,
-                       truth_ruler.Measure(t.place, t.X_WB.translation()).value_or(kNone));
     estimate.emplace_back(
         e.time_s, e.pipe.empty()
                       ? kNone
                       : estimate_ruler.Measure({e.pipe, "", e.chainage_m}, Eigen::Vector3d::Zero())
                             .value_or(kNone));
+    if (trace.truth.empty()) continue;
+    const TruthSample& t = trace.truth[i];
+    truth.emplace_back(t.time_s,
+                       truth_ruler.Measure(t.place, t.X_WB.translation()).value_or(kNone));
     error.emplace_back(t.time_s, PositionError(scenario.network, t, e));
   }
   return {{"Distance along the route (m)",

@@ -10,7 +10,7 @@
 
 namespace kantaro::scenarios {
 
-/// One question put to a run, answered from ground truth.
+/// One question put to a run, answered from ground truth, or without it where it can be.
 struct Check {
   std::string name;  ///< snake_case, stable: baselines are compared by it
   bool passed{};
@@ -20,6 +20,7 @@ struct Check {
   std::string text;            ///< one sentence
   std::optional<double> at_s;  ///< when it was worst or first went wrong
   std::string place;           ///< and where, in words; may be empty
+  bool judged{true};           ///< false: it cannot be told without ground truth; not failed either
 };
 
 /// What became of one planted fault on the driven route.
@@ -30,18 +31,21 @@ struct PlantedFault {
 };
 
 struct Verdict {
-  bool passed{};  ///< all checks
+  bool passed{};  ///< all checks that were judged
   std::vector<Check> checks;
   std::map<std::string, double> metrics;  ///< by name, unit in the name
   std::vector<PlantedFault> planted;      ///< on the driven route, in the order of the network
-  std::vector<bool> true_alarm;           ///< for each of trace.faults: it lies at a planted one
+  /// For each of trace.faults: it lies at a planted one. Empty without ground truth.
+  std::vector<bool> true_alarm;
 };
 
 /// Judges a run from ground truth alone; the robot's own words count only for what they claim (its
 /// position, the faults it reports, that it is done). Checks: goal_reached, finished_in_time,
 /// no_turn_without_junction, heading_along_pipe, speed_limit, no_upper_box_collision,
 /// position_error, final_position_error and, where a fault was planted on the way, faults_found.
-/// @pre the trace's truth and estimate were taken at the same instants.
+/// Without ground truth the end is the robot's word, the speed the one commanded, and the rest is
+/// not judged.
+/// @pre the trace's truth, if any, and estimate were taken at the same instants.
 /// @throws std::invalid_argument if they were not.
 [[nodiscard]] Verdict Judge(const Scenario& scenario, const MissionTrace& trace);
 

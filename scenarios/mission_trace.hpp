@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,6 +44,7 @@ struct EstimateSample {
   bool turning{};        ///< the phase commands a change of heading
   /// Inside a manhole: the point of its channel, in plan, that the robot takes for its own.
   std::optional<Eigen::Vector2d> p_WChannel{};
+  double commanded_m_s{};  ///< the wheels' tread, mean of both sides, positive forward
 };
 
 /// Something worth a mark on the charts: a landmark seen, a turn begun.
@@ -87,18 +89,21 @@ struct ReportedFault {
 
 /// Everything a run leaves behind for the judge and the report.
 struct MissionTrace {
-  std::vector<TruthSample> truth;        ///< every kTracePeriod_s
+  std::vector<TruthSample> truth;        ///< every kTracePeriod_s; empty where nobody knows it
   std::vector<EstimateSample> estimate;  ///< at the same instants
   std::vector<Event> events;             ///< in order of time
   std::vector<LandmarkFrame> frames;
   std::optional<LaserRing> laser_ring;
   std::vector<ReportedFault> faults;
-  std::uint64_t readings{};  ///< handed over by the hardware
-  std::uint64_t commands{};  ///< applied to it
-  bool finished{};           ///< the robot itself declared the mission done
-  std::string ending;        ///< why it ended, one sentence
-  double end_s{};            ///< simulated time of the end
-  std::string sha256;        ///< over every reading, command and estimate in order
+  std::uint64_t readings{};                   ///< handed over by the hardware
+  std::uint64_t commands{};                   ///< given to it
+  std::uint64_t limited{};                    ///< of these, cut to what the motors can
+  std::uint64_t refused{};                    ///< of these, not taken
+  std::map<std::string, std::uint64_t> lost;  ///< readings that did not come, by sensor
+  bool finished{};                            ///< the robot itself declared the mission done
+  std::string ending;                         ///< why it ended, one sentence
+  double end_s{};                             ///< simulated time of the end
+  std::string sha256;                         ///< over every reading, command and estimate in order
 };
 
 /// Distance between two clock positions, 0 to 6 h.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "scenarios/drawings.hpp"
@@ -52,9 +53,11 @@ std::string Both(const std::string& wide, const std::string& narrow) {
   return R"(<div class="wide">)" + wide + R"(</div><div class="narrow">)" + narrow + "</div>";
 }
 
+/// Not a number where it was not measured.
 double Metric(const Result& result, const std::string& name) {
   const auto metric = result.verdict.metrics.find(name);
-  return metric == result.verdict.metrics.end() ? 0.0 : metric->second;
+  return metric == result.verdict.metrics.end() ? std::numeric_limits<double>::quiet_NaN()
+                                                : metric->second;
 }
 
 std::string Header(const Scenario& scenario, const Result& result) {
@@ -71,10 +74,12 @@ std::string VerdictBox(const Result& result, const MissionTrace& trace) {
   for (const Check& check : verdict.checks) {
     if (!check.passed) list += "<li>" + Escape(check.text) + "</li>";
   }
-  const std::string sum = failed == 0 ? fmt::format("All {} checks passed with seed {}.",
-                                                    verdict.checks.size(), result.seed)
-                                      : fmt::format("{} of {} checks failed with seed {}.", failed,
-                                                    verdict.checks.size(), result.seed);
+  const auto judged = std::count_if(verdict.checks.begin(), verdict.checks.end(),
+                                    [](const Check& c) { return c.judged; });
+  const std::string sum =
+      failed == 0
+          ? fmt::format("All {} checks passed with seed {}.", judged, result.seed)
+          : fmt::format("{} of {} checks failed with seed {}.", failed, judged, result.seed);
   return fmt::format(R"(<div class="verdict {}"><strong>{}</strong><p>{} {}</p>{}</div>)",
                      verdict.passed ? "passed" : "failed", verdict.passed ? "Passed" : "Failed",
                      sum, Escape(trace.ending), list.empty() ? "" : "<ul>" + list + "</ul>");
@@ -84,19 +89,20 @@ std::string Figures(const Result& result) {
   const auto figure = [](const std::string& title, const std::string& value) {
     return "<div><dt>" + title + "</dt><dd>" + value + "</dd></div>";
   };
-  return R"(<dl class="figures">)" +
-         figure("Driven", fmt::format("{:.1f}<small>m</small>", Metric(result, "distance_m"))) +
+  // A metric times a factor, with its digits and unit.
+  const auto measured = [&](const std::string& name, double factor, int digits,
+                            const std::string& unit) -> std::string {
+    const double value = factor * Metric(result, name);
+    if (std::isnan(value)) return "not known";
+    if (std::isinf(value)) return "lost";
+    return fmt::format("{:.{}f}<small>{}</small>", value, digits, unit);
+  };
+  const std::string planted = fmt::format("of {:.0f}", Metric(result, "faults_planted"));
+  return R"(<dl class="figures">)" + figure("Driven", measured("distance_m", 1.0, 1, "m")) +
          figure("Time in the pipe", Duration(Metric(result, "duration_s"))) +
-         figure("Highest speed", fmt::format("{:.1f}<small>cm/s</small>",
-                                             100.0 * Metric(result, "highest_speed_m_s"))) +
-         figure("Position error, worst",
-                std::isfinite(Metric(result, "position_error_max_m"))
-                    ? fmt::format("{:.0f}<small>cm</small>",
-                                  100.0 * Metric(result, "position_error_max_m"))
-                    : std::string("lost")) +
-         figure("Faults found",
-                fmt::format("{:.0f}<small>of {:.0f}</small>", Metric(result, "fault_hits"),
-                            Metric(result, "faults_planted"))) +
+         figure("Highest speed", measured("highest_speed_m_s", 100.0, 1, "cm/s")) +
+         figure("Position error, worst", measured("position_error_max_m", 100.0, 0, "cm")) +
+         figure("Faults found", measured("fault_hits", 1.0, 0, planted)) +
          figure("Against real time",
                 fmt::format("{:.1f}<small>× as fast</small>", result.timing.RealTimeFactor())) +
          "</dl>";
@@ -183,7 +189,10 @@ std::string FaultSection(const MissionTrace& trace, const Verdict& verdict) {
     rows += FaultRow(
         fault.jpeg.empty() ? "" : Picture(fault.jpeg, "suspected fault in " + fault.first.pipe),
         where, fault.clock_h, std::to_string(fault.sightings),
-        fmt::format("{:.2f}", fault.similarity), verdict.true_alarm[i] ? hit : alarm);
+        fmt::format("{:.2f}", fault.similarity),
+        verdict.true_alarm.empty() ? "not known"
+        : verdict.true_alarm[i]    ? hit
+                                   : alarm);
   }
   for (const PlantedFault& fault : verdict.planted) {
     if (fault.found) continue;
@@ -194,11 +203,18 @@ std::string FaultSection(const MissionTrace& trace, const Verdict& verdict) {
   }
   const auto found = std::count_if(verdict.planted.begin(), verdict.planted.end(),
                                    [](const auto& f) { return f.found; });
+  const std::string sum =
+      verdict.true_alarm.empty() && !trace.faults.empty()
+          ? "Which of them are faults is not known."
+          : fmt::format(
+                "{} of {} planted faults on the way were found; {} of {} reports were false "
+                "alarms.",
+                found, verdict.planted.size(),
+                std::count(verdict.true_alarm.begin(), verdict.true_alarm.end(), false),
+                trace.faults.size());
   return fmt::format(
-      R"(<section class="table-section"><h2>Fault candidates</h2><p class="note">{} of {} planted faults on the way were found; {} of {} reports were false alarms. Places are the robot's own estimate.</p><table class="faults"><thead><tr><th></th><th>Place</th><th>Clock position</th><th class="number">Sightings</th><th class="number">Similarity</th><th>In truth</th></tr></thead><tbody>{}</tbody></table></section>)",
-      found, verdict.planted.size(),
-      std::count(verdict.true_alarm.begin(), verdict.true_alarm.end(), false), trace.faults.size(),
-      rows);
+      R"(<section class="table-section"><h2>Fault candidates</h2><p class="note">{} Places are the robot's own estimate.</p><table class="faults"><thead><tr><th></th><th>Place</th><th>Clock position</th><th class="number">Sightings</th><th class="number">Similarity</th><th>In truth</th></tr></thead><tbody>{}</tbody></table></section>)",
+      sum, rows);
 }
 
 std::string CheckSection(const Verdict& verdict) {
@@ -209,10 +225,16 @@ std::string CheckSection(const Verdict& verdict) {
                                   : Value(check.limit, check.unit);
     rows += fmt::format(
         R"(<tr><td class="mark-cell {}">{}</td><td><strong>{}</strong><br>{}</td><td class="number" data-label="measured">{}</td><td class="number" data-label="limit">{}</td></tr>)",
-        check.passed ? "ok" : "no", check.passed ? "✓" : "✗", Escape(Spoken(check.name)),
-        Escape(check.text), Value(check.value, check.unit), limit);
+        !check.judged  ? ""
+        : check.passed ? "ok"
+                       : "no",
+        !check.judged  ? "–"
+        : check.passed ? "✓"
+                       : "✗",
+        Escape(Spoken(check.name)), Escape(check.text),
+        check.judged ? Value(check.value, check.unit) : "–", limit);
   }
-  return R"(<section class="table-section"><h2>Checks</h2><p class="note">Answered from ground truth, which the robot never sees.</p><table class="checks"><thead><tr><th></th><th>Check</th><th class="number">Measured</th><th class="number">Limit</th></tr></thead><tbody>)" +
+  return R"(<section class="table-section"><h2>Checks</h2><p class="note">Answered from ground truth, which the robot never sees, as far as it is known.</p><table class="checks"><thead><tr><th></th><th>Check</th><th class="number">Measured</th><th class="number">Limit</th></tr></thead><tbody>)" +
          rows + "</tbody></table></section>";
 }
 
@@ -251,6 +273,21 @@ std::string ConditionFacts(const Scenario& scenario, const Conditions& condition
   return Facts(facts);
 }
 
+std::string Commands(const MissionTrace& trace) {
+  return trace.limited + trace.refused == 0
+             ? std::to_string(trace.commands)
+             : fmt::format("{}, {} cut to what the motors can, {} refused", trace.commands,
+                           trace.limited, trace.refused);
+}
+
+std::string Losses(const MissionTrace& trace) {
+  std::string losses;
+  for (const auto& [sensor, readings] : trace.lost) {
+    losses += fmt::format("{}{} of {}", losses.empty() ? "" : ", ", readings, Spoken(sensor));
+  }
+  return losses.empty() ? "none" : losses;
+}
+
 std::string RunSection(const Scenario& scenario, const Conditions& conditions,
                        const MissionTrace& trace, const Result& result) {
   const std::string timing =
@@ -258,7 +295,8 @@ std::string RunSection(const Scenario& scenario, const Conditions& conditions,
              {"Wall clock", fmt::format("{:.1f} s", result.timing.wall_s)},
              {"Real-time factor", fmt::format("{:.2f}", result.timing.RealTimeFactor())},
              {"Readings", std::to_string(trace.readings)},
-             {"Commands", std::to_string(trace.commands)},
+             {"Commands", Commands(trace)},
+             {"Readings lost", Losses(trace)},
              {"Network", scenario.network_file.filename().string()}});
   return R"(<section class="two"><div><h2>Conditions of this seed</h2>)" +
          ConditionFacts(scenario, conditions) + "</div><div><h2>The run</h2>" + timing +

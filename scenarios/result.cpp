@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <system_error>
@@ -19,9 +20,10 @@ using Json = nlohmann::ordered_json;
 Json Finite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json ToJson(const Check& check) {
-  Json json{{"name", check.name},           {"passed", check.passed},
-            {"value", Finite(check.value)}, {"limit", Finite(check.limit)},
-            {"unit", check.unit},           {"text", check.text}};
+  const double value = check.judged ? check.value : std::numeric_limits<double>::quiet_NaN();
+  Json json{{"name", check.name},     {"passed", check.judged ? Json(check.passed) : Json(nullptr)},
+            {"value", Finite(value)}, {"limit", Finite(check.limit)},
+            {"unit", check.unit},     {"text", check.text}};
   if (check.at_s) json["at_s"] = *check.at_s;
   if (!check.place.empty()) json["place"] = check.place;
   return json;

@@ -30,8 +30,8 @@ struct Result {
 
 /// {"scenario", "seed", "verdict": {"passed", "checks": [{"name", "passed", "value", "limit",
 /// "unit", "text", "at_s", "place"}]}, "metrics": {}, "timing": {"sim_s", "wall_s",
-/// "real_time_factor"}, "trace_sha256"}. Numbers that are not finite become null; at_s and place
-/// are left out where there is none.
+/// "real_time_factor"}, "trace_sha256"}. Numbers that are not finite become null, and so do passed
+/// and value of a check that was not judged; at_s and place are left out where there is none.
 [[nodiscard]] nlohmann::ordered_json ToJson(const Result& result);
 
 /// Files of an output folder by name, with their bytes. The first is the folder's mark: only a

@@ -6,16 +6,11 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
-#include "navigation/executive.hpp"
-#include "network/pipe_axis.hpp"
-#include "perception/perception.hpp"
-#include "robot/description.hpp"
 #include "robot/recording/recorder.hpp"
 #include "scenarios/blinded.hpp"
+#include "scenarios/pilot.hpp"
 #include "scenarios/report.hpp"
 #include "scenarios/trace_recorder.hpp"
-#include "scenarios/twin_conditions.hpp"
-#include "sim/twin.hpp"
 
 namespace kantaro::scenarios {
 namespace {
@@ -23,21 +18,10 @@ namespace {
 /// After the robot has declared its mission done it is watched for so long, so that the judge sees
 /// it stand.
 constexpr double kAfterwards_s = 1.0;
+/// A hardware that refuses commands may take them again; after so long the mission is broken off.
+constexpr robot::RunTime kPatience = std::chrono::seconds(1);
 constexpr robot::RunTime kSamplePeriod(static_cast<robot::RunTime::rep>(kTracePeriod_s * 1e9));
 constexpr robot::RunTime kProgressPeriod = std::chrono::seconds(1);
-
-navigation::Executive MakeExecutive(const Scenario& scenario, const Conditions& conditions,
-                                    const robot::Description& description) {
-  // The crew sets the robot down where the scenario says, and does not know by how much it missed.
-  const network::Pipe& pipe = scenario.network.PipeNamed(scenario.start.pipe);
-  const double chainage_m = scenario.start.chainage_m;
-  const double start_m = pipe.upstream == scenario.start.manhole
-                             ? chainage_m
-                             : network::PipeAxis(scenario.network, pipe).length_m() - chainage_m;
-  return {navigation::MakeRoute(scenario.network, RouteManholes(scenario), conditions.map_scale),
-          start_m, navigation::RobotGeometry::Of(description),
-          navigation::ReadParameters(scenario.robot_folder / "navigation.yaml")};
-}
 
 /// The robot's own loop, from reading to command, watched by the recorder.
 class Loop {
@@ -45,61 +29,74 @@ class Loop {
   Loop(const Scenario& scenario, const Conditions& conditions, const RunOptions& options)
       : scenario_(scenario),
         options_(options),
-        description_(robot::ReadDescription(scenario.robot_folder)),
-        perception_parameters_(
-            perception::ReadParameters(scenario.robot_folder / "perception.yaml")),
-        world_(sim::BuildWorld(scenario.network, conditions.texture,
-                               scenario.blind.count(Sense::kCameras) == 0,
-                               sim::ReadGripTable(scenario.materials_file))),
-        twin_(world_, description_, TwinConditions(scenario, conditions)),
-        hardware_(twin_, scenario.blind),
-        perception_(description_, perception_parameters_),
-        executive_(MakeExecutive(scenario, conditions, description_)),
-        recorder_(scenario, world_.sewer->network, description_) {
-    if (options.recording) recording_.emplace(*options.recording, description_);
+        robot_(ReadRobotFiles(scenario.robot_folder)),
+        body_(MakeBody(options.hardware, scenario, conditions, robot_.description,
+                       options.render_threads)),
+        hardware_(*body_.hardware, scenario.blind),
+        pilot_(scenario, conditions, robot_),
+        recorder_(scenario, robot_.description) {
+    if (options.recording) recording_.emplace(*options.recording, robot_.description);
   }
 
   MissionTrace Run() {
-    recorder_.Sample(0.0, twin_.Truth(), executive_);
+    Sample();
     double end_s = scenario_.time_limit_s;
-    while (const std::optional<robot::Reading> reading = hardware_.Read()) {
+    std::string ending = TimeIsUp();
+    while (true) {
+      const std::optional<robot::Reading> reading = hardware_.Read();
+      if (!reading && Now_s() < scenario_.time_limit_s - kAfterwards_s)
+        ending = fmt::format("The hardware had nothing more to say after {:.1f} s.", Now_s());
+      if (!reading || Now_s() > scenario_.time_limit_s) break;
       Tick(*reading);
-      const double now_s = robot::Seconds(hardware_.Now());
-      if (executive_.finished()) end_s = std::min(end_s, now_s);
+      if (pilot_.executive().finished()) end_s = std::min(end_s, Now_s());
       Sample();
-      if (now_s >= end_s + kAfterwards_s) break;
+      if (Now_s() >= end_s + kAfterwards_s) break;
+      if (taken_at_ + kPatience <= asked_at_) {
+        ending = fmt::format("The hardware refused every command since {:.1f} s.",
+                             robot::Seconds(taken_at_));
+        break;
+      }
     }
+    hardware_.Stop();
     if (recording_) recording_->Close();
-    return recorder_.Finish(std::min(end_s, robot::Seconds(hardware_.Now())), executive_);
+    return recorder_.Finish(std::min(end_s, Now_s()), pilot_.executive(), ending);
   }
 
  private:
+  [[nodiscard]] double Now_s() const { return robot::Seconds(hardware_.Now()); }
+  [[nodiscard]] std::string TimeIsUp() const {
+    return fmt::format("The time limit of {:.0f} s was reached.", scenario_.time_limit_s);
+  }
+
   void Tick(const robot::Reading& reading) {
     recorder_.Add(reading);
     if (recording_) recording_->Write(reading);
-    perception_.SetPipeDiameter(executive_.pipe_diameter_m());
-    std::optional<robot::Command> command;
-    for (const perception::Observation& observation : perception_.Process(reading)) {
-      recorder_.Add(observation, executive_);
-      command = executive_.Step(observation);
-    }
+    const std::optional<robot::Command> command =
+        pilot_.Step(reading, [this](const auto& observation, const auto& executive) {
+          recorder_.Add(observation, executive);
+        });
     if (!command) return;
-    hardware_.Apply(*command);
-    recorder_.Add(*command, executive_);
+    const robot::CommandOutcome outcome = hardware_.Apply(*command);
+    asked_at_ = hardware_.Now();
+    if (outcome != robot::CommandOutcome::kRefused) taken_at_ = asked_at_;
+    recorder_.Add(hardware_.Now(), *command, outcome, pilot_.executive());
     if (recording_) Record(*command);
   }
 
   void Record(const robot::Command& command) {
-    const navigation::Estimate estimate = executive_.estimate();
+    const navigation::Executive& executive = pilot_.executive();
+    const navigation::Estimate estimate = executive.estimate();
     recording_->Write(hardware_.Now(), command);
-    recording_->Write(hardware_.Now(), {executive_.route().legs[estimate.leg].pipe,
+    recording_->Write(hardware_.Now(), {executive.route().legs[estimate.leg].pipe,
                                         estimate.distance_m, estimate.deviation_m});
   }
 
   void Sample() {
     const robot::RunTime now = hardware_.Now();
     if (now < next_sample_) return;
-    recorder_.Sample(robot::Seconds(now), twin_.Truth(), executive_);
+    std::optional<sim::GroundTruth> truth;
+    if (body_.truth) truth = body_.truth();
+    recorder_.Sample(robot::Seconds(now), truth, pilot_.executive());
     next_sample_ += kSamplePeriod;
     if (now < next_progress_ || !options_.progress) return;
     options_.progress(robot::Seconds(now), scenario_.time_limit_s);
@@ -108,16 +105,15 @@ class Loop {
 
   const Scenario& scenario_;
   const RunOptions& options_;
-  robot::Description description_;
-  perception::Parameters perception_parameters_;
-  sim::World world_;
-  sim::Twin twin_;
+  RobotFiles robot_;
+  Body body_;
   Blinded hardware_;
-  perception::Perception perception_;
-  navigation::Executive executive_;
+  Pilot pilot_;
   TraceRecorder recorder_;
   std::optional<robot::Recorder> recording_;
-  robot::RunTime next_sample_{kSamplePeriod};
+  robot::RunTime asked_at_{};  ///< last command
+  robot::RunTime taken_at_{};  ///< last command that was not refused
+  robot::RunTime next_sample_{};
   robot::RunTime next_progress_{kProgressPeriod};
 };
 
@@ -133,7 +129,7 @@ MissionRun RunMission(const Scenario& whole, std::uint64_t seed, const RunOption
   run.result = {scenario.name,
                 seed,
                 Judge(scenario, run.trace),
-                {run.trace.truth.back().time_s, wall.count()},
+                {run.trace.estimate.back().time_s, wall.count()},
                 run.trace.sha256};
   return run;
 }

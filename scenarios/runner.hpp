@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 
+#include "scenarios/body.hpp"
 #include "scenarios/conditions.hpp"
 #include "scenarios/mission_trace.hpp"
 #include "scenarios/result.hpp"
@@ -13,7 +14,8 @@
 namespace kantaro::scenarios {
 
 struct RunOptions {
-  int render_threads{2};  ///< decides speed, never a result
+  HardwareChoice hardware;  ///< the twin, or what a file names
+  int render_threads{2};    ///< decides speed, never a result
   /// Told now and then how far the run is: simulated time and its limit [s]. May be empty.
   std::function<void(double sim_s, double limit_s)> progress;
   /// Where to record the run (robot::Recorder), if at all.
@@ -27,10 +29,11 @@ struct MissionRun {
   Result result;
 };
 
-/// Runs a mission on the twin: hardware, perception and executive in a loop until the robot stops
-/// or the time is up, then judges it. Same scenario and seed, same trace.
-/// @throws InputError for a bad robot folder. @throws std::runtime_error where the twin cannot run
-/// (no off-screen OpenGL).
+/// Runs a mission: hardware, perception and executive in a loop until the robot stops, the time is
+/// up, the hardware has nothing more to say or refuses every command for a second; then judges it,
+/// from ground truth where that is known. On the twin: same scenario and seed, same trace.
+/// @throws InputError for a bad robot folder or hardware file. @throws std::runtime_error where the
+/// twin cannot run (no off-screen OpenGL).
 [[nodiscard]] MissionRun RunMission(const Scenario& scenario, std::uint64_t seed,
                                     const RunOptions& options);
 

@@ -85,12 +85,11 @@ Eigen::Vector2d ChannelPoint(const network::PipeAxis& axis, const navigation::Ma
 
 }  // namespace
 
-TraceRecorder::TraceRecorder(const Scenario& scenario, const network::Network& world,
-                             const robot::Description& description)
+TraceRecorder::TraceRecorder(const Scenario& scenario, const robot::Description& description)
     : scenario_(scenario),
-      world_(world),
       camera_(description.front_camera),
-      camera_x_m_(description.PoseInBase(camera_.link).translation().x()) {}
+      camera_x_m_(description.PoseInBase(camera_.link).translation().x()),
+      tyre_radius_m_(description.tyres.at(description.wheels.front()).radius_m) {}
 
 void TraceRecorder::Add(const robot::Reading& reading) {
   hash_.Add(reading);
@@ -98,6 +97,26 @@ void TraceRecorder::Add(const robot::Reading& reading) {
   if (const auto* front = std::get_if<robot::FrontImage>(&reading.value))
     front_image_ = front->image;
   if (const auto* laser = std::get_if<robot::LaserRevolution>(&reading.value)) revolution_ = *laser;
+  if (const auto* loss = std::get_if<robot::Loss>(&reading.value)) {
+    Count(reading.arrived_at, *loss);
+  } else if (silent_.erase(robot::SensorOf(reading)) != 0) {
+    Note(reading.arrived_at, fmt::format("{}: heard again", ToString(robot::SensorOf(reading))));
+  }
+}
+
+void TraceRecorder::Count(robot::RunTime at, const robot::Loss& loss) {
+  const std::string sensor = ToString(loss.sensor);
+  const auto [lost, first] = trace_.lost.try_emplace(sensor, 0);
+  lost->second += loss.readings;
+  if (loss.line_down && silent_.insert(loss.sensor).second) {
+    Note(at, sensor + ": nothing comes from there any more");
+  } else if (first) {
+    Note(at, sensor + ": the first reading is lost");
+  }
+}
+
+void TraceRecorder::Note(robot::RunTime at, const std::string& text) {
+  trace_.events.push_back({robot::Seconds(at), "hardware", text});
 }
 
 void TraceRecorder::Add(const perception::Observation& observation,
@@ -110,10 +129,18 @@ void TraceRecorder::Add(const perception::Observation& observation,
     Look(*laser, executive);
 }
 
-void TraceRecorder::Add(const robot::Command& command, navigation::Executive& executive) {
+void TraceRecorder::Add(robot::RunTime at, const robot::Command& command,
+                        robot::CommandOutcome outcome, navigation::Executive& executive) {
   hash_.Add(command);
   hash_.Add(executive.estimate());
   ++trace_.commands;
+  const bool refused = outcome == robot::CommandOutcome::kRefused;
+  if (refused != (outcome_ == robot::CommandOutcome::kRefused))
+    Note(at, refused ? "commands are refused" : "commands are taken again");
+  outcome_ = outcome;
+  trace_.limited += outcome == robot::CommandOutcome::kLimited ? 1 : 0;
+  trace_.refused += refused ? 1 : 0;
+  if (!refused) command_ = command;
   for (const navigation::Event& event : executive.TakeEvents()) Keep(event);
 }
 
@@ -128,7 +155,8 @@ void TraceRecorder::Keep(const navigation::Event& event) {
 
 double TraceRecorder::ChainageOf(const navigation::MapLeg& leg, double distance_m) const {
   if (leg.downstream) return distance_m;
-  return network::PipeAxis(world_, world_.PipeNamed(leg.pipe)).length_m() - distance_m;
+  return network::PipeAxis(scenario_.network, scenario_.network.PipeNamed(leg.pipe)).length_m() -
+         distance_m;
 }
 
 void TraceRecorder::Look(const perception::FaultObservation& faults,
@@ -173,22 +201,25 @@ void TraceRecorder::Look(const perception::LaserObservation& laser,
   const navigation::Estimate estimate = executive.estimate();
   const navigation::MapLeg& leg = executive.route().legs[estimate.leg];
   const EstimateSample here{0.0, leg.pipe, ChainageOf(leg, estimate.distance_m), 0.0, "", false};
-  trace_.laser_ring = LaserRing{
-      robot::Seconds(laser.captured_at),
-      fmt::format("{}, as the robot thought in {}", description, ToWords(PlaceOf(world_, here))),
-      revolution_};
+  trace_.laser_ring = LaserRing{robot::Seconds(laser.captured_at),
+                                fmt::format("{}, as the robot thought in {}", description,
+                                            ToWords(PlaceOf(scenario_.network, here))),
+                                revolution_};
 }
 
-void TraceRecorder::Sample(double time_s, const sim::GroundTruth& truth,
+void TraceRecorder::Sample(double time_s, const std::optional<sim::GroundTruth>& truth,
                            const navigation::Executive& executive) {
-  TruthSample sample{time_s, truth.X_WB, {}, truth.speed_m_s, truth.upper_box_touched};
-  if (truth.pipe) {
-    sample.place = {world_.pipes[*truth.pipe].name, "", truth.chainage_m};
-  } else if (truth.manhole) {
-    sample.place.manhole = world_.manholes[*truth.manhole].name;
+  trace_.estimate.push_back(Believed(time_s, executive));
+  trace_.estimate.back().commanded_m_s =
+      tyre_radius_m_ * (command_.left_rad_s + command_.right_rad_s) / 2.0;
+  if (!truth) return;
+  TruthSample sample{time_s, truth->X_WB, {}, truth->speed_m_s, truth->upper_box_touched};
+  if (truth->pipe) {
+    sample.place = {scenario_.network.pipes[*truth->pipe].name, "", truth->chainage_m};
+  } else if (truth->manhole) {
+    sample.place.manhole = scenario_.network.manholes[*truth->manhole].name;
   }
   trace_.truth.push_back(sample);
-  trace_.estimate.push_back(Believed(time_s, executive));
 }
 
 EstimateSample TraceRecorder::Believed(double time_s,
@@ -204,22 +235,21 @@ EstimateSample TraceRecorder::Believed(double time_s,
                         {}};
   const double inside_m = estimate.distance_m - estimate.leg_length_m;
   if (inside_m <= 0.0) return sample;
-  const network::PipeAxis axis(world_, world_.PipeNamed(leg.pipe));
+  const network::PipeAxis axis(scenario_.network, scenario_.network.PipeNamed(leg.pipe));
   sample.chainage_m = ChainageOf(leg, axis.length_m() + inside_m);
   sample.p_WChannel = ChannelPoint(axis, leg, inside_m);
   return sample;
 }
 
-MissionTrace TraceRecorder::Finish(double end_s, const navigation::Executive& executive) {
+MissionTrace TraceRecorder::Finish(double end_s, const navigation::Executive& executive,
+                                   const std::string& ending) {
   trace_.end_s = end_s;
   trace_.finished = executive.phase() == navigation::Phase::kArrived;
+  trace_.ending = trace_.finished ? "The robot says that it has arrived." : ending;
   const auto trouble = std::find_if(trace_.events.rbegin(), trace_.events.rend(),
                                     [](const Event& event) { return event.kind == "trouble"; });
-  trace_.ending =
-      trace_.finished ? "The robot says that it has arrived."
-      : trouble == trace_.events.rend()
-          ? fmt::format("The time limit of {:.0f} s was reached.", scenario_.time_limit_s)
-          : fmt::format("The robot gave up: {}.", trouble->text);
+  if (executive.phase() == navigation::Phase::kFailed && trouble != trace_.events.rend())
+    trace_.ending = fmt::format("The robot gave up: {}.", trouble->text);
   trace_.sha256 = hash_.HexDigest();
   return std::move(trace_);
 }

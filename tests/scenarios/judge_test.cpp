@@ -183,5 +183,29 @@ TEST(Judge, RefusesATraceWithoutSamples) {
   EXPECT_THROW(static_cast<void>(Judge(TeeScenario(), MissionTrace())), std::invalid_argument);
 }
 
+// A recording or a device: nobody knows where the robot really is.
+TEST(Judge, WithoutGroundTruthJudgesTheRobotsWordAndItsCommandsAndSaysSo) {
+  MissionTrace trace = PerfectMission();
+  trace.truth.clear();
+  for (EstimateSample& sample : trace.estimate) sample.commanded_m_s = 0.12;
+  trace.estimate[40].commanded_m_s = -0.16;  // 0.15 m/s are allowed, either way
+  trace.estimate[40].time_s = 2.0;
+  const Verdict verdict = Judge(TeeScenario(), trace);
+  EXPECT_FALSE(verdict.passed);
+  EXPECT_THAT(FailedChecks(verdict), testing::ElementsAre("speed_limit"));
+  EXPECT_EQ(Find(verdict, "speed_limit").value, 0.16);
+  EXPECT_EQ(Find(verdict, "speed_limit").at_s, 2.0);
+  EXPECT_TRUE(Find(verdict, "finished_in_time").judged);
+  EXPECT_FALSE(Find(verdict, "position_error").judged);
+  EXPECT_EQ(Find(verdict, "goal_reached").text, "Not judged: no ground truth.");
+  EXPECT_EQ(verdict.metrics.count("distance_m"), 0u);
+  EXPECT_THAT(verdict.true_alarm, testing::IsEmpty());
+
+  trace.estimate[40].commanded_m_s = -0.14;
+  EXPECT_TRUE(Judge(TeeScenario(), trace).passed);
+  trace.finished = false;
+  EXPECT_THAT(FailedChecks(Judge(TeeScenario(), trace)), testing::ElementsAre("finished_in_time"));
+}
+
 }  // namespace
 }  // namespace kantaro::scenarios

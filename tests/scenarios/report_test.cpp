@@ -130,5 +130,19 @@ TEST(Report, StandsWithoutPicturesEstimatesOrFaults) {
   EXPECT_THAT(html, Not(HasSubstr(">inf")));
 }
 
+TEST(Report, SaysWhatIsNotKnownWithoutGroundTruth) {
+  MissionTrace trace = PerfectMission();
+  trace.truth.clear();
+  trace.refused = 3;
+  trace.lost = {{"front_camera", 2}};
+  const std::string html = Report(TeeScenario(), trace);
+  EXPECT_THAT(html, HasSubstr("<dt>Driven</dt><dd>not known</dd>"));
+  EXPECT_THAT(html, HasSubstr("Not judged: no ground truth."));
+  EXPECT_THAT(html, HasSubstr("2345, 0 cut to what the motors can, 3 refused"));
+  EXPECT_THAT(html, HasSubstr("2 of Front camera"));
+  EXPECT_THAT(html, Not(HasSubstr("false alarm")));
+  EXPECT_THAT(html, Not(HasSubstr("nan")));
+}
+
 }  // namespace
 }  // namespace kantaro::scenarios

@@ -80,5 +80,14 @@ TEST(Result, HasTheKeysOfTheContract) {
   EXPECT_EQ(json["trace_sha256"], "abc");
 }
 
+TEST(Result, ACheckThatWasNotJudgedHasNeitherAnswerNorValue) {
+  Result result;
+  result.verdict.checks = {
+      {"position_error", true, 0.0, 0.5, "m", "Not judged: no ground truth.", {}, "", false}};
+  const nlohmann::ordered_json check = ToJson(result)["verdict"]["checks"][0];
+  EXPECT_TRUE(check["passed"].is_null());
+  EXPECT_TRUE(check["value"].is_null());
+}
+
 }  // namespace
 }  // namespace kantaro::scenarios
