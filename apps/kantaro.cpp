@@ -42,9 +42,9 @@ unsigned ParseJobs(const std::string& word) {
                       : Parse<unsigned>("--jobs", word, 1, 1024);
 }
 
-std::set<scenarios::Sense> ParseBlind(const std::vector<std::string>& words) {
-  std::set<scenarios::Sense> senses;
-  for (const std::string& word : words) senses.insert(scenarios::ParseSense(word, "--blind"));
+std::set<kantaro::robot::Sensor> ParseBlind(const std::vector<std::string>& words) {
+  std::set<kantaro::robot::Sensor> senses;
+  for (const std::string& word : words) senses.merge(scenarios::ParseBlind(word, "--blind"));
   return senses;
 }
 
@@ -151,7 +151,8 @@ void Declare(CLI::App& app, Words& words) {
   run->add_option("SCENARIO", words.paths, "scenario files")->required();
   run->add_option("--seed", words.seed, "what the variation is drawn from (default 1)");
   run->add_option("--out", words.out, "run folder (default runs/NAME/seed-N)");
-  run->add_option("--blind", words.blind, "senses to take from the robot: laser,infrared,cameras")
+  run->add_option("--blind", words.blind,
+                  "sensors to take from the robot, such as laser,infrared,cameras")
       ->delimiter(',')
       ->allow_extra_args(false);
 
@@ -167,7 +168,9 @@ void Declare(CLI::App& app, Words& words) {
   suite->add_option("--baseline", words.baseline, "suite.json of an earlier suite");
   suite->add_option("--out", words.out,
                     "folder of suite.json and the run folders (default runs/suite)");
-  suite->add_option("--blind", words.blind, "senses to take from the robot: laser,infrared,cameras")
+  suite
+      ->add_option("--blind", words.blind,
+                   "sensors to take from the robot, such as laser,infrared,cameras")
       ->delimiter(',')
       ->allow_extra_args(false);
 

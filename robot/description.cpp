@@ -16,6 +16,8 @@
 namespace kantaro::robot {
 namespace {
 
+constexpr double kFastestMirror_rpm = 1800.0;  // thesis Table 5.1
+
 const Joint* FindJoint(const Description& robot, const std::string& name) {
   const auto found = std::find_if(robot.joints.begin(), robot.joints.end(),
                                   [&](const Joint& joint) { return joint.name == name; });
@@ -127,18 +129,20 @@ std::map<double, double> ReadMastHeights(const YamlNode& node, const Joint& mast
 }
 
 Laser ReadLaser(const YamlNode& node, const Description& robot) {
-  node.AllowOnly({"link", "revolutions_Hz", "samples_Hz", "range_min_mm", "range_max_mm",
-                  "accuracy_mm", "latency_s", "mast"});
+  node.AllowOnly({"link", "speed_rpm", "samples_Hz", "mirror_counts", "range_min_mm",
+                  "range_max_mm", "accuracy_mm", "beam_radius_mm", "latency_s", "mast"});
   Laser laser;
   laser.link = LinkName(node["link"], robot);
-  laser.revolutions_Hz = node["revolutions_Hz"].Positive();
-  laser.samples_Hz = node["samples_Hz"].Number(laser.revolutions_Hz, 1e6);
+  laser.speed_rpm = node["speed_rpm"].Number(0.0, kFastestMirror_rpm);
+  laser.samples_Hz = node["samples_Hz"].Number(1e3, 1e6);
+  laser.mirror_counts = static_cast<std::uint32_t>(node["mirror_counts"].Integer(4, 1 << 24));
   laser.range_min_m = node["range_min_mm"].Number(0.0, 1e5) / 1000.0;
   laser.range_max_m = node["range_max_mm"].Number(0.0, 1e5) / 1000.0;
   if (laser.range_max_m <= laser.range_min_m) {
     throw node["range_max_mm"].Error("the largest range must be above the smallest");
   }
   laser.accuracy_m = node["accuracy_mm"].Number(0.0, 1e3) / 1000.0;
+  laser.beam_radius_m = node["beam_radius_mm"].Number(0.0, 100.0) / 1000.0;
   laser.latency_s = node["latency_s"].Number(0.0, 10.0);
   const YamlNode mast = node["mast"];
   mast.AllowOnly({"joint", "heights_mm"});
@@ -151,9 +155,11 @@ Laser ReadLaser(const YamlNode& node, const Description& robot) {
 }
 
 void ReadInfrared(const YamlNode& node, Description& robot) {
-  node.AllowOnly({"up", "left", "right", "half_range_mm", "noise", "rate_Hz"});
+  node.AllowOnly(
+      {"up", "left", "right", "half_range_mm", "cone_half_angle_deg", "noise", "rate_Hz"});
   const auto sensor = [&](const char* key) {
     return Infrared{LinkName(node[key], robot), node["half_range_mm"].Positive() / 1000.0,
+                    node["cone_half_angle_deg"].Number(0.0, 60.0) * std::numbers::pi / 180.0,
                     node["noise"].Number(0.0, 1.0)};
   };
   robot.ir_up = sensor("up");
@@ -193,7 +199,7 @@ void ReadCameras(const YamlNode& root, Description& robot) {
 
 void ReadCompanion(const YamlNode& root, Description& robot) {
   root.AllowOnly({"upper_box", "wheels", "suspensions", "tyres", "motors", "lights", "laser",
-                  "infrared", "encoders", "inertial"});
+                  "infrared", "encoders", "inertial", "inclinometer", "compass", "battery"});
   robot.upper_box = LinkName(root["upper_box"], robot);
   const YamlNode wheels = root["wheels"];
   wheels.AllowOnly({"order"});
@@ -221,11 +227,10 @@ void ReadCompanion(const YamlNode& root, Description& robot) {
   encoders.AllowOnly({"resolution_rad", "rate_Hz"});
   robot.encoder_resolution_rad = encoders["resolution_rad"].Number(1e-6, 1.0);
   robot.encoder_rate_Hz = encoders["rate_Hz"].Number(0.1, 1000.0);
-  const YamlNode inertial = root["inertial"];
-  inertial.AllowOnly({"gyro_noise_rad_s", "accelerometer_noise_m_s2", "rate_Hz"});
-  robot.gyro_noise_rad_s = inertial["gyro_noise_rad_s"].Number(0.0, 1e3);
-  robot.accelerometer_noise_m_s2 = inertial["accelerometer_noise_m_s2"].Number(0.0, 1e3);
-  robot.inertial_rate_Hz = inertial["rate_Hz"].Number(0.1, 1000.0);
+  robot.inertial = ReadInertialUnit(root["inertial"]);
+  robot.inclinometer = ReadInclinometer(root["inclinometer"]);
+  robot.compass = ReadCompass(root["compass"]);
+  robot.battery = ReadBattery(root["battery"]);
 }
 
 }  // namespace

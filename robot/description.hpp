@@ -1,12 +1,15 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
+
+#include "robot/sensor_parameters.hpp"
 
 namespace kantaro::robot {
 
@@ -89,21 +92,25 @@ struct Camera {
 /// mast height).
 struct Laser {
   std::string link;
-  double revolutions_Hz{};  ///< 30 = 1800 rpm
-  double samples_Hz{};      ///< at least 10 kHz
+  double speed_rpm{};             ///< of the mirror, 0 to 1800; at 0 there are no revolutions
+  double samples_Hz{};            ///< at least 10 kHz
+  std::uint32_t mirror_counts{};  ///< of the mirror's encoder to a turn (robot/mirror_angle.hpp)
   double range_min_m{}, range_max_m{};
-  double accuracy_m{};  ///< ± bound of the error
+  double accuracy_m{};     ///< ± bound of the error
+  double beam_radius_m{};  ///< the same all along
   double latency_s{};
   std::string mast;  ///< prismatic joint that carries the laser; set by hand, fixed while driving
   /// Mast joint position for each pipe diameter [m -> m]; in between the next smaller one holds.
   std::map<double, double> mast_height_m;
 };
 
-/// An IR sensor, beam along its link's +x: value = 1 / (1 + (range / half_range)²).
+/// An IR sensor, beam along its link's +x. Light comes back as 1 / range², summed over the beam's
+/// cone: value = s / (1 + s) with s the mean of (half_range / range)².
 struct Infrared {
   std::string link;
-  double half_range_m{};  ///< range at which the value is 0.5
-  double noise{};         ///< standard deviation of the value
+  double half_range_m{};         ///< range at which the value is 0.5
+  double cone_half_angle_rad{};  ///< of the beam
+  double noise{};                ///< standard deviation of the value
 };
 
 /// Everything known about the robot's body: the URDF and its companion, joined. Nothing stands in
@@ -121,9 +128,12 @@ struct Description {
   Camera front_camera, stereo_left, stereo_right;
   Laser laser;
   Infrared ir_up, ir_left, ir_right;
-  double encoder_rate_Hz{}, infrared_rate_Hz{}, inertial_rate_Hz{};
+  double encoder_rate_Hz{}, infrared_rate_Hz{};
   double encoder_resolution_rad{};
-  double gyro_noise_rad_s{}, accelerometer_noise_m_s2{};
+  InertialUnit inertial;
+  Inclinometer inclinometer;
+  Compass compass;
+  Battery battery;
 
   [[nodiscard]] const Link& LinkNamed(
       const std::string& link) const;  ///< @throws std::out_of_range

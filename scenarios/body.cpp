@@ -15,9 +15,10 @@ Body MakeTwin(const Scenario& scenario, const Conditions& conditions,
               const robot::Description& description, int render_threads) {
   sim::Conditions twin_conditions = TwinConditions(scenario, conditions);
   twin_conditions.render_threads = render_threads;
+  const bool seeing =
+      scenario.Has(robot::Sensor::kFrontCamera) || scenario.Has(robot::Sensor::kStereoCameras);
   auto twin =
-      std::make_unique<sim::Twin>(sim::BuildWorld(scenario.network, conditions.texture,
-                                                  scenario.blind.count(Sense::kCameras) == 0,
+      std::make_unique<sim::Twin>(sim::BuildWorld(scenario.network, conditions.texture, seeing,
                                                   sim::ReadGripTable(scenario.materials_file)),
                                   description, twin_conditions);
   sim::Twin& known = *twin;

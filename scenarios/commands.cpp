@@ -59,7 +59,7 @@ std::vector<Scenario> ReadAll(const RunRequest& request) {
   std::map<std::string, std::filesystem::path> names;
   for (const std::filesystem::path& file : request.scenarios) {
     Scenario scenario = ReadScenario(file);
-    scenario.blind.insert(request.blind.begin(), request.blind.end());
+    for (const robot::Sensor sensor : request.blind) scenario.faults.push_back(Blind(sensor));
     if (const auto [known, is_new] = names.emplace(scenario.name, file); !is_new) {
       throw InputError(
           file, {}, "name",
@@ -119,9 +119,10 @@ Json ReadMeasured(const Experiment& experiment, const std::filesystem::path& fil
                    fmt::format("not a result of the experiment \"{}\"", experiment.name));
 }
 
-std::string BlindWords(const std::set<Sense>& blind) {
+std::string BlindWords(const std::set<robot::Sensor>& blind) {
   std::string words;
-  for (const Sense sense : blind) words += (words.empty() ? "" : ",") + ToString(sense);
+  for (const robot::Sensor sensor : blind)
+    words += (words.empty() ? "" : ",") + std::string(robot::ToString(sensor));
   return words;
 }
 

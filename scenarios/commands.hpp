@@ -28,10 +28,10 @@ struct RunRequest {
   std::vector<std::filesystem::path> scenarios;
   std::uint64_t seed{1};
   std::optional<std::filesystem::path>
-      out;                ///< the run folder; of several scenarios, the folder of their run folders
-  std::set<Sense> blind;  ///< beside the scenarios' own
-  HardwareChoice hardware;  ///< what is driven
-  bool record{};            ///< writes `recording.bag` into the run folder
+      out;  ///< the run folder; of several scenarios, the folder of their run folders
+  std::set<robot::Sensor> blind;  ///< dead from the beginning
+  HardwareChoice hardware;        ///< what is driven
+  bool record{};                  ///< writes `recording.bag` into the run folder
   bool json{};
 };
 /// Runs each scenario once. With several, the JSON document is a list of results.
@@ -42,7 +42,7 @@ struct SuiteRequest {
   std::uint64_t seeds{1};
   unsigned jobs{1};
   std::optional<std::filesystem::path> junit, baseline, out;
-  std::set<Sense> blind;
+  std::set<robot::Sensor> blind;
   bool json{};
   std::filesystem::path program;  ///< this program, to run each mission in a process of its own
 };

@@ -264,12 +264,8 @@ std::string ConditionFacts(const Scenario& scenario, const Conditions& condition
       facts.emplace_back("Map of pipe " + pipe,
                          fmt::format("{:+.1f} % long", 100.0 * (scale - 1.0)));
   }
-  if (!scenario.blind.empty()) {
-    std::string senses;
-    for (const Sense sense : scenario.blind)
-      senses += (senses.empty() ? "" : ", ") + ToString(sense);
-    facts.emplace_back("Blinded", senses);
-  }
+  for (const robot::Fault& fault : scenario.faults)
+    facts.emplace_back("Sensor fault", robot::ToString(fault));
   return Facts(facts);
 }
 

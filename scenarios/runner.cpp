@@ -6,8 +6,8 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "robot/faults.hpp"
 #include "robot/recording/recorder.hpp"
-#include "scenarios/blinded.hpp"
 #include "scenarios/pilot.hpp"
 #include "scenarios/report.hpp"
 #include "scenarios/trace_recorder.hpp"
@@ -32,7 +32,7 @@ class Loop {
         robot_(ReadRobotFiles(scenario.robot_folder)),
         body_(MakeBody(options.hardware, scenario, conditions, robot_.description,
                        options.render_threads)),
-        hardware_(*body_.hardware, scenario.blind),
+        hardware_(*body_.hardware, robot_.description, scenario.faults, conditions.seed),
         pilot_(scenario, conditions, robot_),
         recorder_(scenario, robot_.description) {
     if (options.recording) recording_.emplace(*options.recording, robot_.description);
@@ -107,7 +107,7 @@ class Loop {
   const RunOptions& options_;
   RobotFiles robot_;
   Body body_;
-  Blinded hardware_;
+  robot::Faulted hardware_;
   Pilot pilot_;
   TraceRecorder recorder_;
   std::optional<robot::Recorder> recording_;

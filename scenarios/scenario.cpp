@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -16,8 +15,6 @@ namespace kantaro::scenarios {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr std::array<std::pair<const char*, Sense>, 3> kSenses{
-    {{"laser", Sense::kLaser}, {"infrared", Sense::kInfrared}, {"cameras", Sense::kCameras}}};
 
 std::string ParseName(const YamlNode& node) {
   const std::string name = node.Text();
@@ -144,18 +141,21 @@ Start ParseStart(const YamlNode& node, const network::Network& network) {
   return start;
 }
 
-std::set<Sense> ParseBlind(const YamlNode& node) {
-  std::set<Sense> senses;
-  for (const YamlNode& word : node.Elements()) {
-    const auto known = std::find_if(kSenses.begin(), kSenses.end(),
-                                    [&](const auto& sense) { return word.Text() == sense.first; });
-    if (known == kSenses.end()) {
-      throw word.Error(
-          fmt::format("\"{}\" is no sense; known are laser, infrared and cameras", word.Text()));
+std::string NoSensor(const std::string& word) {
+  return fmt::format("\"{:.40}\" is no sensor; known are {}", word, robot::SensorWords());
+}
+
+std::vector<robot::Fault> ParseFaults(const YamlNode& root) {
+  std::vector<robot::Fault> faults;
+  if (const auto list = root.Find("faults")) faults = robot::ReadFaults(*list);
+  if (const auto list = root.Find("blind")) {
+    for (const YamlNode& word : list->Elements()) {
+      const std::set<robot::Sensor> sensors = robot::SensorsNamed(word.Text());
+      if (sensors.empty()) throw word.Error(NoSensor(word.Text()));
+      for (const robot::Sensor sensor : sensors) faults.push_back(Blind(sensor));
     }
-    senses.insert(known->second);
   }
-  return senses;
+  return faults;
 }
 
 /// There is no way: is there one but for the turns?
@@ -187,19 +187,24 @@ void CheckRoute(const YamlNode& root, const Scenario& scenario) {
 
 }  // namespace
 
-Sense ParseSense(const std::string& word, const std::filesystem::path& argument) {
-  for (const auto& [name, sense] : kSenses) {
-    if (word == name) return sense;
-  }
-  throw InputError(argument, {}, "",
-                   fmt::format("\"{}\" is no sense; known are laser, infrared and cameras", word));
+robot::Fault Blind(robot::Sensor sensor) {
+  robot::Fault fault;
+  fault.sensor = sensor;
+  fault.kind = robot::FaultKind::kDead;
+  return fault;
 }
 
-std::string ToString(Sense sense) {
-  for (const auto& [name, known] : kSenses) {
-    if (known == sense) return name;
-  }
-  throw std::invalid_argument("unknown sense");
+std::set<robot::Sensor> ParseBlind(const std::string& word, const std::filesystem::path& argument) {
+  const std::set<robot::Sensor> sensors = robot::SensorsNamed(word);
+  if (sensors.empty()) throw InputError(argument, {}, "", NoSensor(word));
+  return sensors;
+}
+
+bool Scenario::Has(robot::Sensor sensor) const {
+  return std::none_of(faults.begin(), faults.end(), [&](const robot::Fault& fault) {
+    return fault.sensor == sensor && fault.kind == robot::FaultKind::kDead &&
+           fault.from == robot::RunTime{} && !fault.until && fault.from_reading <= 1;
+  });
 }
 
 std::vector<std::string> RouteManholes(const Scenario& scenario) {
@@ -235,7 +240,7 @@ Scenario ParseScenario(const std::string& text, const std::filesystem::path& nam
                        const NetworkReader& read_network) {
   const YamlNode root = YamlNode::Parse(text, name);
   root.AllowOnly({"name", "description", "network", "robot", "materials", "start", "goal", "via",
-                  "time_limit_s", "variation", "limits", "blind"});
+                  "time_limit_s", "variation", "limits", "blind", "faults"});
   Scenario scenario;
   scenario.file = name;
   scenario.name = ParseName(root["name"]);
@@ -249,7 +254,7 @@ Scenario ParseScenario(const std::string& text, const std::filesystem::path& nam
   scenario.time_limit_s = root["time_limit_s"].Number(1.0, 86400.0);
   ReadIfGiven(root, "variation", scenario.variation, ParseVariation);
   ReadIfGiven(root, "limits", scenario.limits, ParseLimits);
-  ReadIfGiven(root, "blind", scenario.blind, ParseBlind);
+  scenario.faults = ParseFaults(root);
 
   scenario.network = read_network(scenario.network_file);
   scenario.start = ParseStart(root["start"], scenario.network);

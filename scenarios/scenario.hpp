@@ -11,6 +11,7 @@
 
 #include "network/network.hpp"
 #include "network/topology.hpp"
+#include "robot/faults.hpp"
 
 namespace kantaro::scenarios {
 
@@ -49,12 +50,12 @@ struct Limits {
   double heading_rad{0.4363};  ///< deviation from the pipe's axis where there is no junction (25°)
 };
 
-/// A sense that can be taken from the robot, to show that the mission needs it.
-enum class Sense { kLaser, kInfrared, kCameras };
-
-/// "laser", "infrared" or "cameras". @throws InputError (file `argument`) for anything else.
-[[nodiscard]] Sense ParseSense(const std::string& word, const std::filesystem::path& argument);
-[[nodiscard]] std::string ToString(Sense sense);
+/// A sensor that is dead from the beginning, to show whether the mission needs it.
+[[nodiscard]] robot::Fault Blind(robot::Sensor sensor);
+/// The sensors a word of the command line or a file names. @throws InputError (file `argument`) if
+/// it names none.
+[[nodiscard]] std::set<robot::Sensor> ParseBlind(const std::string& word,
+                                                 const std::filesystem::path& argument);
 
 /// One mission: a world, a task, what a seed varies, and what counts as success.
 struct Scenario {
@@ -71,7 +72,10 @@ struct Scenario {
   double time_limit_s{};         ///< simulated
   Variation variation;
   Limits limits;
-  std::set<Sense> blind;
+  std::vector<robot::Fault> faults;  ///< of the robot's sensors
+
+  /// Whether this sensor says anything at any time.
+  [[nodiscard]] bool Has(robot::Sensor sensor) const;
 };
 
 /// Reads a scenario and its network. Paths in the file are relative to it; the network is checked

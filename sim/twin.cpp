@@ -68,7 +68,7 @@ class Twin::Impl {
         inertial_noise_(conditions.seed, "sensor.inertial"),
         encoder_steps_(StepsPer(description_.encoder_rate_Hz, "encoders")),
         infrared_steps_(StepsPer(description_.infrared_rate_Hz, "IR sensors")),
-        inertial_steps_(StepsPer(description_.inertial_rate_Hz, "inertial unit")),
+        inertial_steps_(StepsPer(description_.inertial.rate_Hz, "inertial unit")),
         front_steps_(StepsPer(description_.front_camera.rate_Hz, "front camera")),
         stereo_steps_(StepsPer(description_.stereo_left.rate_Hz, "stereo cameras")) {
     for (const std::string& link : description_.lights) lamp_mounts_.push_back(Mount(link));
@@ -199,9 +199,9 @@ class Twin::Impl {
   robot::InertialReading ReadInertial() {
     robot::InertialReading reading{physics_.AngularVelocity(), physics_.SpecificForce()};
     for (int i = 0; i < 3; ++i) {
-      reading.angular_velocity_rad_s[i] += inertial_noise_.Normal(description_.gyro_noise_rad_s);
+      reading.angular_velocity_rad_s[i] += inertial_noise_.Normal(description_.inertial.gyro_noise_rad_s);
       reading.specific_force_m_s2[i] +=
-          inertial_noise_.Normal(description_.accelerometer_noise_m_s2);
+          inertial_noise_.Normal(description_.inertial.accelerometer_noise_m_s2);
     }
     return reading;
   }

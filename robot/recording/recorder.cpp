@@ -13,6 +13,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/input_error.hpp"
+#include "robot/mirror_angle.hpp"
 #include "robot/recording/messages.hpp"
 
 namespace kantaro::robot {
@@ -168,10 +169,14 @@ class Recorder::Impl {
     scan.angle_increment = static_cast<float>(kTurn_rad / static_cast<double>(count));
     scan.angle_max = count == 0 ? 0.0F : static_cast<float>(revolution.samples.back().angle_rad);
     scan.time_increment = static_cast<float>(1.0 / description_.laser.samples_Hz);
-    scan.scan_time = static_cast<float>(1.0 / description_.laser.revolutions_Hz);
+    scan.scan_time = static_cast<float>(60.0 / description_.laser.speed_rpm);
     scan.range_min = static_cast<float>(description_.laser.range_min_m);
     scan.range_max = static_cast<float>(description_.laser.range_max_m);
-    for (const LaserSample& sample : revolution.samples) scan.ranges.push_back(RangeOf(sample));
+    for (const LaserSample& sample : revolution.samples) {
+      scan.ranges.push_back(RangeOf(sample));
+      scan.intensities.push_back(
+          static_cast<float>(MirrorCount(sample.angle_rad, description_.laser.mirror_counts)));
+    }
     Put("/laser/scan", arrived_at_, scan);
   }
 

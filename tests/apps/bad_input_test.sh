@@ -71,7 +71,7 @@ refused "seed that is no number" '--seed: "seven" is not a number from 0 to [0-9
 refused "negative seed" '--seed: "-1" is not a number.*' run good.yaml --seed -1 --out out
 refused "seed with a tail" '--seed: "7x" is not a number.*' run good.yaml --seed 7x --out out
 refused "no seeds" '--seeds: "0" is not a number from 1.*' suite good.yaml --seeds 0 --out out
-refused "no such sense" '--blind: "smell" is no sense.*' run good.yaml --blind smell --out out
+refused "no such sense" '--blind: "smell" is no sensor.*' run good.yaml --blind smell --out out
 refused "no such hardware" '--hardware: "ship:me" is none of sim.*' run good.yaml --hardware ship:me --out out
 refused "chainage that is no number" '--chainage: "far" is not a number.*' render good.yaml --pipe P --chainage far --out out
 refused "chainage beyond the pipe" '--chainage: 90 m is outside pipe "P".*' render good.yaml --pipe P --chainage 90 --out out

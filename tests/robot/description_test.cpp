@@ -250,12 +250,12 @@ TEST(Cameras, StandOnTheAxisOfA300mmPipe) {
 
 TEST(LaserScanner, IsTheThesisScanner) {  // Table 5.1
   const Laser& laser = Robot().laser;
-  EXPECT_EQ(laser.revolutions_Hz, 1800.0 / 60.0);
+  EXPECT_EQ(laser.speed_rpm, 1800.0);
+  EXPECT_NEAR(laser.beam_radius_m, 0.0005, 1e-12);
   EXPECT_GE(laser.samples_Hz, 10000.0);
   EXPECT_NEAR(laser.range_min_m, 0.070, 1e-12);
   EXPECT_NEAR(laser.range_max_m, 0.190, 1e-12);
   EXPECT_NEAR(laser.accuracy_m, 0.001, 1e-12);
-  EXPECT_EQ(std::remainder(laser.samples_Hz, laser.revolutions_Hz), 0.0);
   EXPECT_NEAR(Robot().LinkNamed(laser.link).inertial->mass_kg, 0.200, 1e-12);
   const Isometry3d X_BL = Robot().PoseInBase(laser.link);
   EXPECT_LT((X_BL.linear() - Eigen::Matrix3d::Identity()).norm(), 1e-12);

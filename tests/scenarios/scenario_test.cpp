@@ -78,7 +78,22 @@ TEST(Scenario, NamesFileLineAndFieldOfWhatIsWrong) {
   EXPECT_THAT(Refusal(Replaced(kTee, "chainage_m: 0.6", "chainage_m: 3.3")),
               testing::HasSubstr("outside 0 to 3.2"));
   EXPECT_THAT(Refusal(std::string(kTee) + "blind: [smell]\n"),
-              testing::HasSubstr("\"smell\" is no sense"));
+              testing::HasSubstr("\"smell\" is no sensor"));
+}
+
+TEST(Scenario, TakesSensorsFromTheRobotOrSpoilsThem) {
+  const Scenario scenario = Parse(std::string(kTee) +
+                                  "blind: [cameras]\n"
+                                  "faults:\n"
+                                  "  - {sensor: laser, kind: dead, from_s: 3}\n"
+                                  "  - {sensor: infrared, kind: biased, amount: 0.1}\n");
+  EXPECT_EQ(scenario.faults.size(), 4u);
+  EXPECT_FALSE(scenario.Has(robot::Sensor::kFrontCamera));
+  EXPECT_FALSE(scenario.Has(robot::Sensor::kStereoCameras));
+  EXPECT_TRUE(scenario.Has(robot::Sensor::kLaser));  // for three seconds
+  EXPECT_TRUE(scenario.Has(robot::Sensor::kInfrared));
+  EXPECT_THAT(Refusal(std::string(kTee) + "faults: [{sensor: laser, kind: dead, amount: 1}]\n"),
+              testing::StartsWith("folder/tee.yaml:8: faults[0].amount: a dead sensor has no"));
 }
 
 TEST(Scenario, RefusesAPipeThatDoesNotBeginAtTheStart) {
