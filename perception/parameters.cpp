@@ -2,6 +2,8 @@
 
 #include <array>
 #include <numbers>
+#include <span>
+#include <string>
 #include <tuple>
 #include <utility>
 
@@ -61,17 +63,25 @@ RingParameters ReadRings(const YamlNode& node) {
   return rings;
 }
 
+/// One of several names. @param what  they name, "an edge operator"
+template <typename Value>
+Value ReadName(const YamlNode& node, std::span<const std::pair<const char*, Value>> names,
+               const char* what) {
+  const std::string text = node.Text();
+  std::string known;
+  for (const auto& [name, value] : names) {
+    if (text == name) return value;
+    known += (known.empty() ? "" : ", ") + std::string(name);
+  }
+  throw node.Error("\"" + text.substr(0, 40) + "\" is not " + what + "; there are " + known);
+}
+
 EdgeOperator ReadOperator(const YamlNode& node) {
   static constexpr std::array<std::pair<const char*, EdgeOperator>, 3> kNames{
       {{"sobel", EdgeOperator::kSobel},
        {"prewitt", EdgeOperator::kPrewitt},
        {"laplacian", EdgeOperator::kLaplacian}}};
-  const std::string text = node.Text();
-  for (const auto& [name, value] : kNames) {
-    if (text == name) return value;
-  }
-  throw node.Error("\"" + text.substr(0, 40) +
-                   "\" is no edge operator; there are sobel, prewitt, laplacian");
+  return ReadName<EdgeOperator>(node, kNames, "an edge operator");
 }
 
 FaultParameters ReadFaults(const YamlNode& node) {
@@ -91,13 +101,53 @@ FaultParameters ReadFaults(const YamlNode& node) {
   return faults;
 }
 
+int ReadOdd(const YamlNode& node, int low, int high) {
+  const auto value = static_cast<int>(node.Integer(low, high));
+  if (value % 2 == 0) throw node.Error("must be odd: a window has a pixel in its middle");
+  return value;
+}
+
+stereo::Parameters ReadStereo(const YamlNode& node) {
+  using stereo::CornerDisparity;
+  using stereo::FunctionValueConstraint;
+  static constexpr std::array<std::pair<const char*, FunctionValueConstraint>, 3> kConstraints{
+      {{"as-written", FunctionValueConstraint::kAsWritten},
+       {"off", FunctionValueConstraint::kOff},
+       {"inverted", FunctionValueConstraint::kInverted}}};
+  static constexpr std::array<std::pair<const char*, CornerDisparity>, 2> kCorners{
+      {{"combined", CornerDisparity::kCombined}, {"average", CornerDisparity::kAverage}}};
+  node.AllowOnly({"method", "min_disparity_px", "disparities", "subpixel", "gaussian_window_px",
+                  "gaussian_px", "window_px", "least_deviation", "feature_threshold",
+                  "function_value_constraint", "peak_ratio", "neighbour_threshold_px", "ssd_scale",
+                  "gradient_scale", "corner_disparity"});
+  stereo::Parameters p;
+  p.method = ReadName(node["method"], stereo::Methods(), "a matching method");
+  p.min_disparity_px = static_cast<int>(node["min_disparity_px"].Integer(0, 4096));
+  p.disparities = static_cast<int>(node["disparities"].Integer(1, 256));
+  p.subpixel = node["subpixel"].Boolean();
+  p.gaussian_window_px = ReadOdd(node["gaussian_window_px"], 1, 31);
+  p.gaussian_px = node["gaussian_px"].Number(0.1, 100);
+  p.window_px = ReadOdd(node["window_px"], 3, 11);
+  p.least_deviation = node["least_deviation"].Number(0, 255);
+  p.feature_threshold = static_cast<int>(node["feature_threshold"].Integer(1, 255));
+  p.function_value_constraint = ReadName<FunctionValueConstraint>(
+      node["function_value_constraint"], kConstraints, "a function-value constraint");
+  p.peak_ratio = node["peak_ratio"].Number(0, 1e6);
+  p.neighbour_threshold_px = node["neighbour_threshold_px"].Number(0, 1e6);
+  p.ssd_scale = node["ssd_scale"].Number(0.01, 1e6);
+  p.gradient_scale = node["gradient_scale"].Number(0.01, 1e6);
+  p.corner_disparity =
+      ReadName<CornerDisparity>(node["corner_disparity"], kCorners, "a corner's disparity");
+  return p;
+}
+
 }  // namespace
 
 Parameters ReadParameters(const std::filesystem::path& file) {
   const YamlNode root = YamlNode::Load(file);
-  root.AllowOnly({"laser", "infrared", "rings", "faults"});
+  root.AllowOnly({"laser", "infrared", "rings", "faults", "stereo"});
   return {ReadLaser(root["laser"]), ReadIr(root["infrared"]), ReadRings(root["rings"]),
-          ReadFaults(root["faults"])};
+          ReadFaults(root["faults"]), ReadStereo(root["stereo"])};
 }
 
 }  // namespace kantaro::perception

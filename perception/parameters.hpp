@@ -6,6 +6,7 @@
 #include "perception/ir_landmarks.hpp"
 #include "perception/laser_landmarks.hpp"
 #include "perception/ring_finder.hpp"
+#include "perception/stereo/stereo.hpp"
 
 namespace kantaro::perception {
 
@@ -16,6 +17,7 @@ struct Parameters {
   IrParameters ir;
   RingParameters rings;
   FaultParameters faults;
+  stereo::Parameters stereo;
 };
 
 /// Reads `perception.yaml`. Every key must be there and no other.

@@ -43,11 +43,19 @@ TEST(PerceptionParameters, HoldTheThesisThresholds) {
   EXPECT_DOUBLE_EQ(parameters.faults.horizontal_threshold, 0.97);  // fig 3.9
   EXPECT_DOUBLE_EQ(parameters.faults.vertical_threshold, 0.96);    // fig 3.10
   EXPECT_EQ(parameters.faults.edge_operator, EdgeOperator::kSobel);
+  EXPECT_EQ(parameters.stereo.feature_threshold, 10);              // section 5.3.2
+  EXPECT_DOUBLE_EQ(parameters.stereo.peak_ratio, 0.2);             // section 5.3.2
+  EXPECT_DOUBLE_EQ(parameters.stereo.neighbour_threshold_px, 10);  // section 5.3.2
+  EXPECT_EQ(parameters.stereo.window_px, 7);                       // sections 5.3.2, 5.4.2
+  EXPECT_EQ(parameters.stereo.gaussian_window_px, 7);              // section 5.4.2
+  EXPECT_DOUBLE_EQ(parameters.stereo.gaussian_px, 3);              // section 5.4.2
+  EXPECT_DOUBLE_EQ(parameters.stereo.gradient_scale, 32);          // section 5.4.2
 }
 
 TEST(PerceptionParameters, RefuseUnknownAndMissingKeys) {
   ExpectRefused("revolutions:", "rotations:", "laser.rotations");
   ExpectRefused("laser:", "lidar:", "lidar");
+  ExpectRefused("peak_ratio:", "peak_value:", "stereo.peak_value");
   ExpectRefused("  readings: 3", "", "infrared");
 }
 
@@ -60,6 +68,11 @@ TEST(PerceptionParameters, RefuseWrongValues) {
   ExpectRefused("sobel", "canny", "faults.edge_operator");
   ExpectRefused("horizontal_threshold: 0.97", "horizontal_threshold: 1.2",
                 "faults.horizontal_threshold");
+  ExpectRefused("method: fast-cubic", "method: census", "stereo.method");
+  ExpectRefused("disparities: 64", "disparities: 0", "stereo.disparities");
+  ExpectRefused("gaussian_window_px: 7", "gaussian_window_px: 8", "stereo.gaussian_window_px");
+  ExpectRefused("constraint: as-written", "constraint: on", "stereo.function_value_constraint");
+  ExpectRefused("corner_disparity: combined", "corner_disparity: 3", "stereo.corner_disparity");
   ExpectRefused("ignore_joints: true", "ignore_joints: maybe", "faults.ignore_joints");
 }
 
