@@ -38,8 +38,8 @@ struct Facet {
 
 /// How the surface looks at a point of a facet: as in SurfaceMesh.
 struct VertexLook {
-  Eigen::Vector3d normal;
-  Eigen::Vector2d surface_m;
+  Eigen::Vector3d normal{Eigen::Vector3d::Zero()};
+  Eigen::Vector2d surface_m{Eigen::Vector2d::Zero()};
 };
 
 /// What stands for a primitive in the mesh: flat facets, within the tolerance of its true surface.

@@ -23,9 +23,11 @@ struct LocomotionStart {
 
 struct LocomotionOutcome {
   bool passed{};
-  std::string reason;  ///< what stopped it: "stuck in M", "rolled over at pipe 1.2 m", …
+  std::string
+      reason;      ///< what stopped it: "stuck in manhole "M"", "rolled over at 1.2 m of "in"", …
+  bool touched{};  ///< whether the upper box touched a wall on the way
 };
-/// Drives one course open loop until the goal, until the robot lies on its side or until the
+/// Drives one course open loop until the goal, until the robot leans by 60° or until the
 /// profile ends.
 [[nodiscard]] LocomotionOutcome DriveCourse(const robot::Description& description,
                                             const Course& course, const Profile& profile,

@@ -63,6 +63,31 @@ TEST(DriveCourse, CallsAnotherBranchAstray) {
   EXPECT_EQ(outcome.reason, "went astray into \"ahead\"");
 }
 
+// A ring of 20 mm leaves a bore of 160 mm: the upper box meets it before the wheels are over.
+TEST(DriveCourse, TellsThatTheUpperBoxIsAgainstTheWall) {
+  const LocomotionOutcome jammed = DriveOnce("ring_20", 0.200, 0.7, CaseNamed("ring_20").profile);
+  EXPECT_FALSE(jammed.passed);
+  EXPECT_TRUE(jammed.touched);
+  EXPECT_TRUE(jammed.reason.ends_with("of \"pipe\", the upper box against the wall"))
+      << jammed.reason;
+  EXPECT_FALSE(DriveOnce("straight", 0.300, 0.7, {{1.0, 0.1, 0.1}}).touched);
+}
+
+// Down a step of 400 mm, more than its length, head first; and set down on its side.
+TEST(DriveCourse, TellsTippingFromRolling) {
+  const robot::Description description = robot::ReadDescription(kRobot);
+  const LocomotionCase& drop = CaseNamed("drop_100");
+  Course course = drop.course(0.300);
+  course.network.manholes[0].p_WM.z() = 0.4;
+  course.network.pipes[0].downstream_offset_m = 0.4;
+  const LocomotionOutcome tipped = DriveCourse(description, course, drop.profile, 0.7, {});
+  EXPECT_TRUE(tipped.reason.starts_with("tipped over its front")) << tipped.reason;
+  course = CaseNamed("straight").course(0.300);
+  course.start.roll_rad = 2.0;
+  const LocomotionOutcome rolled = DriveCourse(description, course, drop.profile, 0.7, {});
+  EXPECT_TRUE(rolled.reason.starts_with("rolled over")) << rolled.reason;
+}
+
 TEST(DriveCourse, ReachesTheGoalOfAStraightPipe) {
   const LocomotionCase& drive = CaseNamed("straight");
   const LocomotionOutcome outcome = DriveOnce("straight", 0.250, 0.3, drive.profile);
