@@ -27,7 +27,7 @@ constexpr double kLargestDeflection_rad = 10.0 * kDegree;
 constexpr double kDeepestSag_m = 1.0;
 constexpr double kFlattestInlet_rad = 30.0 * kDegree;
 constexpr double kSteepestInlet_rad = 150.0 * kDegree;
-constexpr double kGrace = 1e-12;  // of an angle that was written in degrees
+constexpr double kGrace = 1e-12;  // of a number that was written in degrees or millimetres
 
 void Want(bool good, const char* field, const std::string& problem) {
   if (!good) throw Flaw(field, problem);
@@ -104,9 +104,12 @@ void CheckManhole(const Manhole& manhole) {
 /// What the pipes that meet in a manhole demand of it.
 void CheckFit(const Manhole& manhole, const Pipe& pipe, double offset_m) {
   const double diameter_m = pipe.DiameterIn(manhole.name);
-  Want(!manhole.shaft_diameter_m || *manhole.shaft_diameter_m > diameter_m, "shaft_diameter_mm",
-       fmt::format("the shaft must be wider than pipe \"{}\" ({:.6g} mm)", pipe.name,
-                   diameter_m * 1000));
+  Want(!manhole.shaft_diameter_m ||
+           *manhole.shaft_diameter_m >= diameter_m + kLeastBenching_m - kGrace,
+       "shaft_diameter_mm",
+       fmt::format("{:.6g} must be at least {:.0f} more than pipe \"{}\" with its {:.6g}",
+                   manhole.shaft_diameter_m.value_or(0.0) * 1000, kLeastBenching_m * 1000,
+                   pipe.name, diameter_m * 1000));
   Want(!manhole.channel_radius_m || *manhole.channel_radius_m > diameter_m / 2, "channel_radius_mm",
        fmt::format("the channel's radius must be above half of pipe \"{}\" ({:.6g} mm)", pipe.name,
                    diameter_m * 500));

@@ -208,6 +208,9 @@ struct Network {
   bool operator==(const Network&) const = default;
 };
 
+/// A shaft is at least so much wider than each of its pipes: the channel in its floor needs walls.
+inline constexpr double kLeastBenching_m = 0.100;
+
 /// Diameters KANTARO is built for [m] (thesis 5.5: 250 to 350 mm; the platform: from 200 mm).
 inline constexpr double kSmallestEnterable_m = 0.200;
 inline constexpr double kLargestEnterable_m = 0.350;

@@ -16,12 +16,7 @@ Grip ReadGrip(const YamlNode& node) {
           node["rolling_resistance_mm"].Number(0.0, 20.0) / 1000.0};
 }
 
-}  // namespace
-
-Ground GroundOf(network::Material material) { return static_cast<Ground>(material); }
-
-GripTable ReadGripTable(const std::filesystem::path& file) {
-  const YamlNode root = YamlNode::Load(file);
+GripTable ReadTable(const YamlNode& root) {
   root.AllowOnly({"pvc", "clay", "concrete", "lined", "sediment"});
   GripTable table;
   for (std::size_t i = 0; i < kGroundCount; ++i) {
@@ -37,6 +32,18 @@ GripTable ReadGripTable(const std::filesystem::path& file) {
     }
   }
   return table;
+}
+
+}  // namespace
+
+Ground GroundOf(network::Material material) { return static_cast<Ground>(material); }
+
+GripTable ReadGripTable(const std::filesystem::path& file) {
+  return ReadTable(YamlNode::Load(file));
+}
+
+GripTable ParseGripTable(const std::string& text, const std::filesystem::path& name) {
+  return ReadTable(YamlNode::Parse(text, name));
 }
 
 }  // namespace kantaro::sim

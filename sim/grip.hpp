@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <filesystem>
+#include <string>
 
 #include "network/network.hpp"
 
@@ -35,5 +36,7 @@ struct GripTable {
 /// Every entry must be there and name its source; in no ground may slime grip better than water, or
 /// water better than a dry wall. @throws InputError
 [[nodiscard]] GripTable ReadGripTable(const std::filesystem::path& file);
+/// The same from text; `name` stands in complaints.
+[[nodiscard]] GripTable ParseGripTable(const std::string& text, const std::filesystem::path& name);
 
 }  // namespace kantaro::sim

@@ -73,7 +73,7 @@ Chamber ChamberOf(const Network& network, const Manhole& manhole) {
         std::max(chamber.channel_radius_m, network.pipes[i].DiameterIn(manhole.name) / 2.0);
   }
   chamber.shaft_radius_m = network.ShaftDiameter(manhole) / 2.0;
-  if (chamber.shaft_radius_m <= chamber.channel_radius_m + 0.05) {
+  if (chamber.shaft_radius_m < chamber.channel_radius_m + network::kLeastBenching_m / 2 - 1e-9) {
     throw std::invalid_argument(
         fmt::format("manhole \"{}\": its shaft of {:.0f} mm is too narrow for its pipes",
                     manhole.name, chamber.shaft_radius_m * 2000.0));

@@ -271,6 +271,18 @@ TEST(Check, WantsAGivenBenchBetweenInvertAndCover) {
   EXPECT_EQ(after(2.0), "manholes[0].bench_height");  // the cover
 }
 
+// A channel as wide as the pipe needs walls in the shaft's floor, 50 mm on either side.
+TEST(Check, LeavesRoomForBenchingInTheShaft) {
+  const auto field_for = [](double more_m) {
+    return FieldAfter([&](Network& n) {
+      n.manholes[1].shaft_diameter_m = n.pipes[0].diameter_m + more_m;
+      n.manholes[1].channel_radius_m.reset();
+    });
+  };
+  EXPECT_EQ(field_for(0.099), "manholes[1].shaft_diameter_mm");
+  EXPECT_EQ(field_for(0.100), "");
+}
+
 TEST(Check, FitsTheShaftToTheDiameterAtEachEnd) {
   EXPECT_EQ(FieldAfter([](Network& n) {
               n.manholes[1].shaft_diameter_m = 0.45;
