@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <string_view>
 
 #include "base/input_error.hpp"
 
@@ -21,9 +22,17 @@ const LocomotionCase& CaseNamed(const std::string& name) {
 }
 
 LocomotionOutcome DriveOnce(const std::string& name, double diameter_m, double friction,
-                            const Profile& profile) {
+                            const Profile& profile, const LocomotionStart& start = {}) {
   const robot::Description description = robot::ReadDescription(kRobot);
-  return DriveCourse(description, CaseNamed(name).course(diameter_m), profile, friction, {});
+  return DriveCourse(description, CaseNamed(name).course(diameter_m), profile, friction, start);
+}
+
+/// Where a drive of 2 s at 0.1 m/s through a straight pipe ended, from 0.5 m.
+double StuckAt(const LocomotionStart& start) {
+  const std::string reason = DriveOnce("straight", 0.300, 0.7, {{2.0, 0.1, 0.1}}, start).reason;
+  constexpr std::string_view kWords = "stuck at ";
+  EXPECT_TRUE(reason.starts_with(kWords)) << reason;
+  return std::stod(reason.substr(kWords.size()));
 }
 
 TEST(LocomotionStart, StaysWithinItsBoundsAndFillsThem) {
@@ -61,6 +70,29 @@ TEST(DriveCourse, CallsAnotherBranchAstray) {
   const LocomotionOutcome outcome = DriveOnce("tee_left", 0.300, 0.7, {{30.0, 0.1, 0.1}});
   EXPECT_FALSE(outcome.passed);
   EXPECT_EQ(outcome.reason, "went astray into \"ahead\"");
+}
+
+// Each part of a start shows in the way.
+TEST(DriveCourse, StartsAsDrawn) {
+  EXPECT_NEAR(StuckAt({}), 0.70, 0.011);
+  EXPECT_NEAR(StuckAt({.chainage_m = 0.1}), 0.80, 0.011);
+  EXPECT_NEAR(StuckAt({.yaw_rad = std::numbers::pi}), 0.30, 0.011);
+  // One side faster by what the other is slower: the mean stays. One side alone would make 0.74.
+  EXPECT_NEAR(StuckAt({.mismatch = 0.2}), 0.70, 0.021);
+  const LocomotionStart up_the_wall{.lateral_m = 2.0 * 0.150};  // by 2 rad
+  EXPECT_TRUE(DriveOnce("straight", 0.300, 0.7, {{1.0, 0.1, 0.1}}, up_the_wall)
+                  .reason.starts_with("rolled over"));
+  // A slope of 10 % takes 0.0905 (physics_trust_test).
+  const Profile& climb = CaseNamed("slope_up_10").profile;
+  EXPECT_FALSE(DriveOnce("slope_up_10", 0.300, 0.09, climb, {.friction_factor = 0.8}).passed);
+  EXPECT_TRUE(DriveOnce("slope_up_10", 0.300, 0.09, climb, {.friction_factor = 1.6}).passed);
+}
+
+TEST(DriveCourse, DoesNotPassARobotThatComesBackwards) {
+  const LocomotionOutcome outcome =
+      DriveOnce("straight", 0.300, 0.7, {{14.0, -0.15, -0.15}}, {.yaw_rad = std::numbers::pi});
+  EXPECT_FALSE(outcome.passed);
+  EXPECT_TRUE(outcome.reason.starts_with("turned round")) << outcome.reason;
 }
 
 // A ring of 20 mm leaves a bore of 160 mm: the upper box meets it before the wheels are over.

@@ -329,6 +329,51 @@ TEST_F(OnTheGround, GivesWayToAFrictionThatIsToldToHoldEverywhere) {
   EXPECT_LT(physics.VelocityOfBase().norm(), kCreep_m_s);
 }
 
+// What the solver is told: each wheel's loss is lever arm times a quarter of the weight; the boxes
+// have the hull's friction; water lifts each wheel and drags it back along the way it goes, here y.
+TEST_F(OnTheGround, TellsTheSolverOfLossLiftAndDragAtEachWheel) {
+  network::Network network = Falling(0.0);
+  network.manholes[1].p_WM = {0.0, 10.0, 0.0};
+  const Place place(network);
+  constexpr double kWater_m = 0.03;
+  const auto ground = [](const Vector3d&) { return Footing{{0.6, 0.4, 0.003}, kWater_m}; };
+  Physics physics(place.field, description_, Options(), ground);
+  physics.Place(place.sewer, {"P", 2.0, true, 0.0, 0.0});
+  physics.Drive(0.2 / 0.045, 0.2 / 0.045);
+  StepFor(physics, 2.0);
+  const mjModel& model = physics.model();
+  const double speed_m_s = physics.VelocityOfBase().y();
+  EXPECT_NEAR(speed_m_s, 0.2, 0.01);
+  for (const std::string& name : description_.wheels) {
+    const robot::Tyre& tyre = description_.tyres.at(name);
+    const WadingWheel wading{tyre.radius_m, 2.0 * tyre.tread_radius_m};
+    const int joint = mj_name2id(&model, mjOBJ_JOINT, name.c_str());
+    EXPECT_NEAR(model.dof_frictionloss[model.jnt_dofadr[joint]],
+                0.003 * description_.TotalMass_kg() * 9.81 / 4.0, 1e-9);
+    const mjtNum* force_W = physics.data().xfrc_applied + 6 * model.jnt_bodyid[joint];
+    EXPECT_NEAR(force_W[2], WadingLift_N(wading, kWater_m), 1e-12);
+    const double drag_N = WadingDrag_N(wading, kWater_m, speed_m_s);
+    EXPECT_NEAR(force_W[1], -drag_N, 0.05 * drag_N);
+    EXPECT_NEAR(force_W[0], 0.0, 0.05 * drag_N);
+  }
+}
+
+TEST_F(OnTheGround, GivesABoxThatTouchesTheHullsFriction) {
+  const Place place(Falling(0.0));
+  const auto ground = [](const Vector3d&) { return Footing{{0.6, 0.37, 0.001}, 0.0}; };
+  Physics physics(place.field, description_, Options(), ground);
+  physics.Place(place.sewer, {"P", 2.0, true, 2.0, 0.0});  // on its side
+  StepFor(physics, 0.1);
+  int boxes = 0;
+  for (int i = 0; i < physics.data().ncon; ++i) {
+    const int geom = physics.data().contact[i].geom2;
+    if (physics.model().geom_type[geom] != mjGEOM_BOX) continue;
+    ++boxes;
+    EXPECT_EQ(physics.model().geom_friction[3 * geom], 0.37);
+  }
+  EXPECT_GT(boxes, 0);
+}
+
 TEST_F(OnTheGround, ScalesWithTheFactor) {
   network::Network network = Falling(0.2);
   network.pipes[0].condition = WallCondition::kSlimy;
