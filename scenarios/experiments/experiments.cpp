@@ -12,12 +12,16 @@
 #include "base/input_error.hpp"
 #include "scenarios/experiments/experiment.hpp"
 #include "scenarios/experiments/locomotion.hpp"
+#include "scenarios/experiments/stereo_accuracy.hpp"
+#include "scenarios/experiments/stereo_pairs.hpp"
+#include "scenarios/experiments/stereo_speed.hpp"
 
 namespace kantaro::scenarios {
 namespace {
 
 const std::vector<Experiment>& All() {
-  static const std::vector<Experiment> all{LocomotionExperiment()};
+  static const std::vector<Experiment> all{LocomotionExperiment(), StereoAccuracyExperiment(),
+                                           StereoSpeedExperiment(), StereoPairsExperiment()};
   return all;
 }
 

@@ -1,0 +1,111 @@
+#include "scenarios/experiments/stereo_views.hpp"
+
+#include "base/random.hpp"
+#include "perception/brightness.hpp"
+#include "sim/physics.hpp"
+#include "sim/robot_model.hpp"
+#include "sim/sensor_noise.hpp"
+#include "sim/twin.hpp"
+
+namespace kantaro::scenarios {
+namespace {
+
+using Eigen::Isometry3d;
+
+constexpr double kPipe_m = 4.0;
+
+network::Network PipeToAManhole(double diameter_m) {
+  network::Network network;
+  network.name = "stereo stage";
+  network.manholes.resize(2);
+  network.manholes[0].name = "start";
+  network.manholes[1].name = "end";
+  network.manholes[1].p_WM = {kPipe_m + diameter_m + 0.5, 0.0, 0.0};  // shafts are 0.5 m wider
+  network::Pipe pipe;
+  pipe.name = "pipe";
+  pipe.upstream = "start";
+  pipe.downstream = "end";
+  pipe.diameter_m = diameter_m;
+  for (const double chainage_m : {0.9, 2.1, 3.3}) {
+    network::Joint joint;
+    joint.chainage_m = chainage_m;
+    pipe.joints.push_back(joint);
+  }
+  network.pipes = {pipe};
+  return network;
+}
+
+}  // namespace
+
+class StereoStage::Impl {
+ public:
+  Impl(const robot::Description& description, double diameter_m, std::uint64_t texture_seed)
+      : description_(description),
+        mast_m_(description.MastHeight(diameter_m)),
+        world_(sim::BuildWorld(PipeToAManhole(diameter_m), texture_seed, true)),
+        renderer_(world_.scenery) {}
+
+  StereoView See(double distance_m, double light, std::uint64_t seed, const std::string& stream) {
+    const Isometry3d X_BC = Mount(description_.stereo_left.link);
+    const double length_m = world_.sewer->axes[0].length_m();
+    const Isometry3d X_WB = Stand(length_m - distance_m - X_BC.translation().x());
+    StereoView view;
+    view.left = Photograph(X_WB, description_.stereo_left, light, seed, stream);
+    view.right = Photograph(X_WB, description_.stereo_right, light, seed, stream);
+    view.depth_m = renderer_.RenderDepth(Look(X_WB, description_.stereo_left));
+    view.mouth_m = distance_m;
+    view.focal_px = description_.stereo_left.focal_px;
+    view.baseline_m =
+        (X_BC.translation() - Mount(description_.stereo_right.link).translation()).norm();
+    return view;
+  }
+
+ private:
+  [[nodiscard]] Isometry3d Mount(const std::string& link) const {
+    return sim::MountPose(description_, link, mast_m_);
+  }
+
+  /// The base when the robot has settled.
+  [[nodiscard]] Isometry3d Stand(double chainage_m) const {
+    sim::PhysicsOptions options;
+    options.mast_height_m = mast_m_;
+    sim::Physics physics(*world_.field, description_, options);
+    physics.Place(*world_.sewer, {"pipe", chainage_m, true, 0.0, 0.0});
+    return physics.PoseOfBase();
+  }
+
+  [[nodiscard]] sim::CameraView Look(const Isometry3d& X_WB, const robot::Camera& camera) const {
+    return {X_WB * Mount(camera.link), camera.width_px,    camera.height_px,
+            camera.focal_px,           camera.center_x_px, camera.center_y_px};
+  }
+
+  cv::Mat Photograph(const Isometry3d& X_WB, const robot::Camera& camera, double light,
+                     std::uint64_t seed, const std::string& stream) {
+    sim::Lamps lamps;
+    for (const std::string& link : description_.lights)
+      lamps.p_WLamp.push_back((X_WB * Mount(link)).translation());
+    lamps.direction_W = (X_WB * Mount(description_.lights.at(0))).linear().col(0);
+    lamps.brightness = light;
+    cv::Mat image = renderer_.Render(Look(X_WB, camera), lamps);
+    RandomStream noise(seed, stream + "." + camera.link);
+    sim::AddSensorNoise(image, noise);
+    return perception::Brightness(image);
+  }
+
+  const robot::Description description_;
+  const double mast_m_;
+  const sim::World world_;
+  sim::Renderer renderer_;
+};
+
+StereoStage::StereoStage(const robot::Description& description, double diameter_m,
+                         std::uint64_t texture_seed)
+    : impl_(std::make_unique<Impl>(description, diameter_m, texture_seed)) {}
+StereoStage::~StereoStage() = default;
+
+StereoView StereoStage::See(double distance_m, double light, std::uint64_t seed,
+                            const std::string& stream) {
+  return impl_->See(distance_m, light, seed, stream);
+}
+
+}  // namespace kantaro::scenarios
