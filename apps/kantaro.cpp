@@ -13,6 +13,7 @@
 #include "base/input_error.hpp"
 #include "scenarios/commands.hpp"
 #include "scenarios/experiments/experiment.hpp"
+#include "scenarios/firmware.hpp"
 
 namespace {
 
@@ -57,7 +58,8 @@ std::optional<std::filesystem::path> Given(const Value& word) {
 struct Words {
   std::vector<std::string> paths, blind, only;
   std::string file, to, out, junit, baseline, pipe, chainage, pipes, length, spacing, count, page,
-      from;
+      from, controller, laser, noise, cut_controller, cut_laser, cut_front;
+  std::string pace{"real"};
   std::string seed{"1"}, seeds{"1"}, jobs, robot{"models/kantaro"}, hardware{"sim"};
   bool record{}, json{};
 };
@@ -87,6 +89,30 @@ kantaro::network::GeneratorOptions ReadGeneratorOptions(const Words& words) {
   return options;
 }
 
+std::optional<double> ParseTime(const std::string& option, const std::string& word) {
+  if (word.empty()) return std::nullopt;
+  return Parse<double>(option, word, 0.0, 1e6);
+}
+
+scenarios::FirmwareRequest ReadFirmwareRequest(const Words& words) {
+  scenarios::FirmwareRequest request;
+  request.scenario = words.file;
+  request.seed = ParseSeed(words.seed);
+  request.out = Given(words.out);
+  request.controller = Given(words.controller);
+  request.laser = Given(words.laser);
+  if (words.pace != "real" && words.pace != "lockstep") {
+    throw InputError("--pace", {}, "", fmt::format("\"{}\" is none of real, lockstep", words.pace));
+  }
+  request.lockstep = words.pace == "lockstep";
+  if (!words.noise.empty()) request.noise = Parse<double>("--noise", words.noise, 0.0, 0.33);
+  request.cut_controller_s = ParseTime("--cut-controller", words.cut_controller);
+  request.cut_laser_s = ParseTime("--cut-laser", words.cut_laser);
+  request.cut_front_s = ParseTime("--cut-front", words.cut_front);
+  request.json = words.json;
+  return request;
+}
+
 int Dispatch(const CLI::App& app, const Words& words) {
   if (app.got_subcommand("run")) {
     scenarios::RunRequest request{{words.paths.begin(), words.paths.end()},
@@ -97,6 +123,9 @@ int Dispatch(const CLI::App& app, const Words& words) {
                                   words.record,
                                   words.json};
     return scenarios::Run(request, std::cout);
+  }
+  if (app.got_subcommand("firmware")) {
+    return scenarios::PlayFirmware(ReadFirmwareRequest(words), std::cout);
   }
   if (app.got_subcommand("suite")) {
     scenarios::SuiteRequest request;
@@ -156,8 +185,25 @@ void Declare(CLI::App& app, Words& words) {
       ->delimiter(',')
       ->allow_extra_args(false);
 
-  run->add_option("--hardware", words.hardware, "what to drive: sim (default)");
+  run->add_option("--hardware", words.hardware, "what to drive: sim (default), device:CONFIG");
   run->add_flag("--record", words.record, "write every reading and command as a ROS bag");
+
+  CLI::App* firmware =
+      command("firmware",
+              "Play the robot's processors and cameras, with the twin behind them, for a host.");
+  firmware->add_option("SCENARIO", words.file, "scenario file")->required();
+  firmware->add_option("--seed", words.seed, "what the conditions are drawn from (default 1)");
+  firmware->add_option("--out", words.out,
+                       "folder of device.yaml and the cameras (default runs/NAME/firmware-N)");
+  firmware->add_option("--controller", words.controller, "where to link the controller's line");
+  firmware->add_option("--laser", words.laser, "where to link the laser's line");
+  firmware->add_option("--pace", words.pace,
+                       "real (default), or lockstep: time goes on as the host acknowledges");
+  firmware->add_option("--noise", words.noise,
+                       "share of frames to lose, to double and to corrupt on both lines");
+  firmware->add_option("--cut-controller", words.cut_controller, "pull its cable at this time [s]");
+  firmware->add_option("--cut-laser", words.cut_laser, "pull the laser's");
+  firmware->add_option("--cut-front", words.cut_front, "pull the front camera's");
 
   CLI::App* suite = command(
       "suite", "Run many missions, each in a process of its own, and compare with a baseline.");

@@ -15,7 +15,7 @@ pkg_check_modules(osmesa REQUIRED IMPORTED_TARGET osmesa)
 # OpenCV's modules by their own small packages: its CMake package stands in libopencv-dev only, which
 # needs 210 more packages.
 find_path(OPENCV_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
-foreach(module core imgproc imgcodecs calib3d)
+foreach(module core imgproc imgcodecs calib3d videoio)
   find_library(OPENCV_${module}_LIBRARY opencv_${module} REQUIRED)
   add_library(opencv_${module} SHARED IMPORTED)
   set_target_properties(opencv_${module} PROPERTIES
@@ -25,6 +25,7 @@ endforeach()
 target_link_libraries(opencv_imgproc INTERFACE opencv_core)
 target_link_libraries(opencv_imgcodecs INTERFACE opencv_imgproc)
 target_link_libraries(opencv_calib3d INTERFACE opencv_imgproc)
+target_link_libraries(opencv_videoio INTERFACE opencv_imgcodecs)
 set(OpenCV_LIBS opencv_imgcodecs)
 
 # ROS 1 bags. Their pkg-config files ask for modules that Debian does not describe, so the libraries are named here.

@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "base/input_error.hpp"
+#include "robot/device/device.hpp"
 #include "scenarios/twin_conditions.hpp"
 
 namespace kantaro::scenarios {
@@ -29,9 +30,9 @@ Body MakeTwin(const Scenario& scenario, const Conditions& conditions,
 struct FileBackEnd {
   const char* kind;
   const char* file;  ///< what it is, for the usage
-  std::unique_ptr<robot::Hardware> (*open)(const std::filesystem::path&);
+  std::unique_ptr<robot::Hardware> (*open)(const std::filesystem::path&, const robot::Description&);
 };
-const std::vector<FileBackEnd> kFileBackEnds;
+const std::vector<FileBackEnd> kFileBackEnds{{"device", "CONFIG", &robot::OpenDevice}};
 
 }  // namespace
 
@@ -53,7 +54,7 @@ Body MakeBody(const HardwareChoice& choice, const Scenario& scenario, const Cond
   const auto back_end =
       std::find_if(std::begin(kFileBackEnds), std::end(kFileBackEnds),
                    [&](const FileBackEnd& one) { return choice.kind == one.kind; });
-  if (back_end != std::end(kFileBackEnds)) return {back_end->open(choice.file), {}};
+  if (back_end != std::end(kFileBackEnds)) return {back_end->open(choice.file, description), {}};
   return MakeTwin(scenario, conditions, description, render_threads);
 }
 

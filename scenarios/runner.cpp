@@ -30,8 +30,9 @@ class Loop {
       : scenario_(scenario),
         options_(options),
         robot_(ReadRobotFiles(scenario.robot_folder)),
-        body_(MakeBody(options.hardware, scenario, conditions, robot_.description,
-                       options.render_threads)),
+        body_(options.make_body ? options.make_body(scenario, conditions, robot_.description)
+                                : MakeBody(options.hardware, scenario, conditions,
+                                           robot_.description, options.render_threads)),
         hardware_(*body_.hardware, robot_.description, scenario.faults, conditions.seed),
         pilot_(scenario, conditions, robot_),
         recorder_(scenario, robot_.description) {

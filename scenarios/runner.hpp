@@ -18,6 +18,8 @@ struct RunOptions {
   int render_threads{2};    ///< decides speed, never a result
   /// Told now and then how far the run is: simulated time and its limit [s]. May be empty.
   std::function<void(double sim_s, double limit_s)> progress;
+  /// Makes another body than `hardware` names. May be empty.
+  std::function<Body(const Scenario&, const Conditions&, const robot::Description&)> make_body;
   /// Where to record the run (robot::Recorder), if at all.
   std::optional<std::filesystem::path> recording;
 };

@@ -138,6 +138,10 @@ void Decoder::Finish(std::vector<Frame>& frames) {
 }
 
 bool Decoder::InSequence(Frame& frame) {
+  if (frame.type == kOpenType || frame.type == kHelloType) {
+    last_sequence_.clear();
+    return true;
+  }
   const auto [known, first] = last_sequence_.try_emplace(frame.type, frame.sequence);
   if (first) return true;
   const auto step = static_cast<std::int16_t>(frame.sequence - known->second);

@@ -21,6 +21,8 @@ inline constexpr Byte kProtocolVersion = 1;
 inline constexpr std::size_t kHeaderSize = 12;  ///< version, type, sequence, time
 inline constexpr std::size_t kCrcSize = 4;
 inline constexpr std::size_t kLargestPayload = 1024;
+/// The two that begin a session. All sequences begin anew behind them, so neither is ever a double.
+inline constexpr Byte kOpenType = 0x81, kHelloType = 0x01;
 
 /// One message as it travels.
 struct Frame {
@@ -63,8 +65,6 @@ class Decoder {
   /// Frames that these bytes complete, in order.
   [[nodiscard]] std::vector<Frame> Take(std::span<const Byte> bytes);
   [[nodiscard]] const Counts& counts() const { return counts_; }
-  /// The other end begins anew: its sequences do too.
-  void ForgetSequences() { last_sequence_.clear(); }
 
  private:
   void Finish(std::vector<Frame>& frames);

@@ -134,9 +134,9 @@ void Fields(Io& io, M& m) {
     io(m.sequence);
     io.Enum(m.outcome, kOutcomes);
   } else if constexpr (std::is_same_v<T, Pace>) {
-    io(m.front_images, m.stereo_pairs);
+    io(m.step, m.front_images, m.stereo_pairs);
   } else if constexpr (std::is_same_v<T, PaceAck>) {
-    io(m.time_us);
+    io(m.step);
   } else if constexpr (std::is_same_v<T, wire::Laser>) {
     io(m.revolution, m.first, m.of);
     io.List(m.samples, wire::Laser::kMostSamples,

@@ -15,7 +15,7 @@
 namespace kantaro::robot::wire {
 
 enum class Type : Byte {
-  kHello = 0x01,
+  kHello = kHelloType,
   kEncoders = 0x02,
   kInfrared = 0x03,
   kInertial = 0x04,
@@ -27,7 +27,7 @@ enum class Type : Byte {
   kAck = 0x0A,
   kPace = 0x0B,
   kLaser = 0x10,
-  kOpen = 0x81,
+  kOpen = kOpenType,
   kCommand = 0x82,
   kStop = 0x83,
   kPaceAck = 0x84
@@ -53,7 +53,7 @@ struct Hello {
   std::uint16_t watchdog_ms{};
   std::uint32_t encoder_step_nrad{};   ///< one count of the wheels' encoders; 0 if it has none
   std::uint32_t speed_limit_urad_s{};  ///< of the wheels; 0 if it drives none
-  std::uint16_t mirror_counts{};       ///< to one turn of the laser's mirror; 0 if it has none
+  std::uint32_t mirror_counts{};       ///< to one turn of the laser's mirror; 0 if it has none
   std::vector<Stream> streams;
   std::string robot;  ///< its name, at most 32 bytes
 
@@ -112,7 +112,7 @@ struct Trigger : Aged {
 /// How the controller is, ten times a second and at once when it changes.
 struct Status {
   bool watchdog_tripped{};  ///< no command for the watchdog's time: zero speed until the next
-  bool stopped{};           ///< by Stop: for good
+  bool stopped{};           ///< by Stop or the robot's own emergency stop: for good
   bool motor_fault{};
   std::uint32_t corrupt{};  ///< frames from the host that came broken
   std::uint32_t lost{};     ///< frames from the host that never came
@@ -131,13 +131,14 @@ struct Ack {
 
 /// Lockstep: all that happened up to the frame's time has been sent on this line.
 struct Pace {
+  std::uint32_t step{};                          ///< counts from 1, on both lines alike
   std::uint32_t front_images{}, stereo_pairs{};  ///< handed to the cameras' streams so far
 
   bool operator==(const Pace&) const = default;
 };
-/// Lockstep: the host is done with all up to this time, so the next may happen.
+/// Lockstep: the host is done with all up to this step, so the next may happen.
 struct PaceAck {
-  std::uint64_t time_us{};  ///< of the Pace
+  std::uint32_t step{};
 
   bool operator==(const PaceAck&) const = default;
 };

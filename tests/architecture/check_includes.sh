@@ -26,7 +26,7 @@ libraries=(
   'mujoco/|GL/|EGL/|embree3/ sim|bench/sim|tests/sim'
   'urdf_|tinyxml robot'
   'rosbag/|ros/|[a-z]+_msgs/ robot/recording'
-  'opencv2/videoio robot/device'
+  'opencv2/videoio|termios robot/device'
   'boost/ network|sim'
   'CLI/ apps'
 )

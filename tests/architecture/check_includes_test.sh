@@ -18,6 +18,7 @@ breaches=(
   'perception/cheat.cpp        #include "sim/ground_truth.hpp"'
   'perception/map.cpp          #include "network/network.hpp"'
   'perception/bags.cpp         #include <rosbag/bag.h>'
+  'perception/eyes.cpp         #include <opencv2/videoio.hpp>'
   'navigation/cheat.hpp        #  include "sim/twin.hpp"'
   'navigation/physics.cpp      #include <mujoco/mujoco.h>'
   'robot/map.hpp               #include "network/network.hpp"'

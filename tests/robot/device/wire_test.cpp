@@ -32,8 +32,8 @@ std::vector<Message> OneOfEach() {
           Trigger{{10}, Sensor::kStereoCameras, 70000},
           Status{true, false, true, 9, 300},
           Ack{Type::kCommand, 513, CommandOutcome::kLimited},
-          Pace{5, 6},
-          PaceAck{1'000'000'000'000},
+          Pace{4, 5, 6},
+          PaceAck{1'000'000},
           laser,
           wire::Command{-3'000'000, 3'000'000, 65535},
           wire::Stop{}};
@@ -48,8 +48,8 @@ TEST(Message, StandsInThePayloadAsTheProtocolSays) {
   EXPECT_THAT(Payload(wire::Laser{{1}, 2, 3, 4, {{5, wire::Laser::kTooNear}}}),
               ElementsAreArray({1, 0, 0, 0, 2, 0, 0, 0, 3, 0, 4, 0, 1, 5, 0, 0xFE, 0xFF}));
   EXPECT_THAT(Payload(Hello{1, true, 150, 2, 3, 4, {{Sensor::kBattery, 5}}, "KA"}),
-              ElementsAreArray({1, 0, 0, 0, 1, 150, 0, 2, 0, 0, 0, 3,   0,
-                                0, 0, 4, 0, 1, 8,   5, 0, 0, 0, 2, 0x4B, 0x41}));
+              ElementsAreArray({1, 0, 0, 0, 1, 150, 0, 2, 0, 0, 0, 3, 0,    0,
+                                0, 4, 0, 0, 0, 1,   8, 5, 0, 0, 0, 2, 0x4B, 0x41}));
   EXPECT_THAT(Payload(Trigger{{0}, Sensor::kStereoCameras, 0x01020304}),
               ElementsAreArray({0, 0, 0, 0, 1, 4, 3, 2, 1}));
 }
