@@ -77,8 +77,9 @@ TEST(DriveCourse, StartsAsDrawn) {
   EXPECT_NEAR(StuckAt({}), 0.70, 0.011);
   EXPECT_NEAR(StuckAt({.chainage_m = 0.1}), 0.80, 0.011);
   EXPECT_NEAR(StuckAt({.yaw_rad = std::numbers::pi}), 0.30, 0.011);
-  // One side faster by what the other is slower: the mean stays. One side alone would make 0.74.
-  EXPECT_NEAR(StuckAt({.mismatch = 0.2}), 0.70, 0.021);
+  // One side is faster by what the other is slower, so the mean stays: with one side alone the
+  // two would lie 4 cm apart.
+  EXPECT_NEAR(StuckAt({.mismatch = 0.2}), StuckAt({.mismatch = -0.2}), 0.021);
   const LocomotionStart up_the_wall{.lateral_m = 2.0 * 0.150};  // by 2 rad
   EXPECT_TRUE(DriveOnce("straight", 0.300, 0.7, {{1.0, 0.1, 0.1}}, up_the_wall)
                   .reason.starts_with("rolled over"));
