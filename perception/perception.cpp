@@ -30,6 +30,7 @@ cv::Point2d PipeCenter(const std::vector<RingSighting>& rings, const robot::Came
 
 Perception::Perception(robot::Description description, Parameters parameters)
     : camera_(description.front_camera),
+      rectifier_(camera_, robot::FrontRectification(description)),
       parameters_(parameters),
       odometry_(description),
       laser_(parameters.laser.revolutions),
@@ -66,11 +67,12 @@ std::vector<Observation> Perception::Process(const robot::Reading& reading) {
 
 std::vector<Observation> Perception::Look(const robot::FrontImage& front,
                                           robot::RunTime captured_at) const {
-  const cv::Mat brightness = Brightness(front.image);
-  if (brightness.size() != cv::Size(camera_.width_px, camera_.height_px)) {
+  const cv::Mat seen = Brightness(front.image);
+  if (seen.size() != cv::Size(camera_.width_px, camera_.height_px)) {
     throw std::invalid_argument("the front image has not the front camera's size");
   }
   if (!pipe_diameter_m_) return {};
+  const cv::Mat brightness = rectifier_.Rectify(seen);
 
   RingObservation rings{captured_at,
                         FindRings(brightness, camera_, *pipe_diameter_m_ / 2, parameters_.rings)};

@@ -11,6 +11,7 @@
 #include "perception/parameters.hpp"
 #include "robot/description.hpp"
 #include "robot/readings.hpp"
+#include "robot/rectifier.hpp"
 
 namespace kantaro::perception {
 
@@ -27,8 +28,8 @@ class Perception {
   void SetPipeDiameter(double diameter_m);
 
   /// One reading, in the order of arrival. Gives
-  /// - FrontImage: a RingObservation and a FaultObservation, empty if nothing is seen; nothing
-  /// before
+  /// - FrontImage, rectified first: a RingObservation and a FaultObservation, empty if nothing is
+  /// seen; nothing before
   ///   SetPipeDiameter, for a circle has no distance then;
   /// - LaserRevolution: a LaserObservation with the edges it settled; nothing if a window holds no
   /// sample;
@@ -48,6 +49,7 @@ class Perception {
                                               robot::RunTime captured_at);
 
   robot::Camera camera_;
+  robot::Rectifier rectifier_;
   Parameters parameters_;
   Odometry odometry_;
   AttitudeFilter attitude_;

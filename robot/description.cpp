@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
 #include "base/files.hpp"
@@ -168,9 +170,55 @@ void ReadInfrared(const YamlNode& node, Description& robot) {
   robot.infrared_rate_Hz = node["rate_Hz"].Number(0.1, 1000.0);
 }
 
+Lens ReadLens(const YamlNode& node, const Camera& camera) {
+  node.AllowOnly({"focal_x_px", "focal_y_px", "center_x_px", "center_y_px", "distortion"});
+  Lens lens;
+  lens.focal_x_px = node["focal_x_px"].Number(1.0, 1e6);
+  lens.focal_y_px = node["focal_y_px"].Number(1.0, 1e6);
+  lens.center_x_px = node["center_x_px"].Number(0.0, camera.width_px - 1.0);
+  lens.center_y_px = node["center_y_px"].Number(0.0, camera.height_px - 1.0);
+  // What the rectified picture's corners ask for, and a little more for the raw one's.
+  const double corner = 1.1 * std::hypot(camera.width_px, camera.height_px) /
+                        std::min({lens.focal_x_px, lens.focal_y_px, camera.focal_px}) / 2.0;
+  const std::vector<double> k = node["distortion"].Numbers(5);
+  std::tie(lens.k1, lens.k2, lens.p1, lens.p2, lens.k3) = std::tie(k[0], k[1], k[2], k[3], k[4]);
+  if (std::abs(lens.p1) > 0.1 || std::abs(lens.p2) > 0.1 || Folds(lens, corner)) {
+    throw node["distortion"].Error(
+        "such a lens would fold the picture: k1, k2, p1, p2, k3 of a usual one are wanted");
+  }
+  return lens;
+}
+
+ImageSensor ReadSensor(const YamlNode& node) {
+  node.AllowOnly({"exposure_ms", "gain_dB", "sensitivity_e_s", "full_well_e", "read_noise_e",
+                  "vignetting", "interlaced"});
+  ImageSensor sensor;
+  sensor.exposure_s = node["exposure_ms"].Number(0.001, 1000.0) / 1000.0;
+  sensor.gain = std::pow(10.0, node["gain_dB"].Number(-60.0, 60.0) / 20.0);
+  sensor.sensitivity_e_s = node["sensitivity_e_s"].Number(1.0, 1e12);
+  sensor.full_well_e = node["full_well_e"].Number(10.0, 1e9);
+  sensor.read_noise_e = node["read_noise_e"].Number(0.0, 1e6);
+  sensor.interlaced = node["interlaced"].Boolean();
+  const YamlNode vignetting = node["vignetting"];
+  if (vignetting.IsSequence()) {
+    const std::vector<double> a = vignetting.Numbers(3);
+    for (int i = 0; i <= 100; ++i) {
+      const double r2 = 1e-4 * i * i;
+      const double share = 1.0 + r2 * (a[0] + r2 * (a[1] + r2 * a[2]));
+      if (!(share > 0.05 && share <= 1.5)) {
+        throw vignetting.Error("between 0.05 and 1.5 of the light must arrive everywhere");
+      }
+    }
+    sensor.vignetting = {a[0], a[1], a[2]};
+  } else if (vignetting.Text() != "cos4") {
+    throw vignetting.Error("cos4 is wanted, or [a, b, c] of 1 + a r^2 + b r^4 + c r^6");
+  }
+  return sensor;
+}
+
 Camera ReadCamera(const YamlNode& node, const Description& robot) {
-  node.AllowOnly({"link", "width_px", "height_px", "focal_px", "center_x_px", "center_y_px",
-                  "rate_Hz", "latency_s"});
+  node.AllowOnly({"link", "width_px", "height_px", "rate_Hz", "latency_s", "focal_px",
+                  "center_x_px", "center_y_px", "lens", "sensor"});
   Camera camera;
   camera.link = LinkName(node["link"], robot);
   camera.width_px = static_cast<int>(node["width_px"].Integer(1, 8192));
@@ -180,11 +228,30 @@ Camera ReadCamera(const YamlNode& node, const Description& robot) {
   camera.center_y_px = node["center_y_px"].Number(0.0, camera.height_px - 1.0);
   camera.rate_Hz = node["rate_Hz"].Number(0.1, 1000.0);
   camera.latency_s = node["latency_s"].Number(0.0, 10.0);
+  camera.lens = ReadLens(node["lens"], camera);
+  camera.sensor = ReadSensor(node["sensor"]);
+  if (camera.latency_s < 0.5 * camera.sensor.exposure_s) {
+    throw node["latency_s"].Error("a picture cannot arrive before it is exposed");
+  }
   return camera;
 }
 
+/// About x, y and z in turn, each a small angle.
+Eigen::Matrix3d ReadRotation(const YamlNode& node) {
+  constexpr double kMost_deg = 10.0;
+  const std::vector<double> deg = node.Numbers(3);
+  if (std::ranges::any_of(deg, [](double angle) { return std::abs(angle) > kMost_deg; })) {
+    throw node.Error("each angle must be from -10 to 10 degrees");
+  }
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  return (Eigen::AngleAxisd(deg[2] * kDegree, Eigen::Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(deg[1] * kDegree, Eigen::Vector3d::UnitY()) *
+          Eigen::AngleAxisd(deg[0] * kDegree, Eigen::Vector3d::UnitX()))
+      .toRotationMatrix();
+}
+
 void ReadCameras(const YamlNode& root, Description& robot) {
-  root.AllowOnly({"front", "stereo_left", "stereo_right"});
+  root.AllowOnly({"front", "stereo_left", "stereo_right", "stereo"});
   robot.front_camera = ReadCamera(root["front"], robot);
   robot.stereo_left = ReadCamera(root["stereo_left"], robot);
   robot.stereo_right = ReadCamera(root["stereo_right"], robot);
@@ -195,6 +262,17 @@ void ReadCameras(const YamlNode& root, Description& robot) {
     throw root["stereo_right"].Error(
         "size, rate and latency must equal the left camera's: one exposure");
   }
+  if (std::tuple(left.focal_px, left.center_x_px, left.center_y_px) !=
+      std::tuple(right.focal_px, right.center_x_px, right.center_y_px)) {
+    throw root["stereo_right"].Error(
+        "focal_px, center_x_px and center_y_px must equal the left camera's: rectified pictures "
+        "share them");
+  }
+  if (left.sensor.exposure_s != right.sensor.exposure_s) {
+    throw root["stereo_right"]["sensor"]["exposure_ms"].Error("must equal the left camera's");
+  }
+  root["stereo"].AllowOnly({"right_rotation_deg"});
+  robot.stereo_right.R_LC = ReadRotation(root["stereo"]["right_rotation_deg"]);
 }
 
 void ReadCompanion(const YamlNode& root, Description& robot) {
@@ -234,6 +312,13 @@ void ReadCompanion(const YamlNode& root, Description& robot) {
 }
 
 }  // namespace
+
+Lens LensOf(const Camera& camera) {
+  return camera.lens.value_or(Lens{.focal_x_px = camera.focal_px,
+                                   .focal_y_px = camera.focal_px,
+                                   .center_x_px = camera.center_x_px,
+                                   .center_y_px = camera.center_y_px});
+}
 
 const Link& Description::LinkNamed(const std::string& link) const {
   const auto found = std::find_if(links.begin(), links.end(),

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -9,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "robot/lens.hpp"
 #include "robot/sensor_parameters.hpp"
 
 namespace kantaro::robot {
@@ -77,16 +79,39 @@ struct Motor {
   double rotor_inertia_kg_m2{};  ///< seen at the wheel
 };
 
-/// Pinhole camera at its link's frame, which is the optical frame C (x right, y down, z forward).
-/// Pixel centres lie at whole numbers: the middle of an image is (size − 1) / 2.
+/// What lies behind a lens. Light is counted in radiances: 1 is about what a clean white wall 0.3 m
+/// ahead of the robot's own lights sends back.
+struct ImageSensor {
+  double exposure_s{};
+  double gain{1.0};          ///< of the amplifier; at 1 a full well is all but white
+  double sensitivity_e_s{};  ///< electrons per second that radiance 1 brings, on the axis
+  double full_well_e{};      ///< electrons that a pixel holds
+  double read_noise_e{};     ///< standard deviation [electrons]
+  /// Light that arrives off the axis, as a share: 1 + a ρ² + b ρ⁴ + c ρ⁶, with ρ the distance from
+  /// the lens' centre in halves of the picture's diagonal. Absent: the fourth power of the cosine.
+  std::optional<std::array<double, 3>> vignetting;
+  bool interlaced{};  ///< odd rows were exposed one field, 1/59.94 s, before the even ones
+};
+
+/// A camera at its link's frame L. Its pictures, as they come, are seen through `lens`; robot::
+/// Rectifier makes of them those of an ideal pinhole, of which perception speaks.
 struct Camera {
   std::string link;
   int width_px{}, height_px{};
-  double focal_px{};  ///< both axes; ideal pinhole, calibration errors live elsewhere
-  double center_x_px{}, center_y_px{};
+  double focal_px{};                    ///< of the rectified picture, both axes
+  double center_x_px{}, center_y_px{};  ///< of the rectified picture; pixel centres lie at whole
+                                        ///< numbers, its middle is (size − 1) / 2
   double rate_Hz{};
   double latency_s{};
+  std::optional<Lens> lens;  ///< as calibrated; absent: the ideal pinhole itself
+  /// From the optical frame C (x right, y down, z forward) to the link's, as calibrated: by how
+  /// much the camera sits askew in its mount.
+  Eigen::Matrix3d R_LC{Eigen::Matrix3d::Identity()};
+  ImageSensor sensor;
 };
+
+/// The camera's lens, that of the ideal pinhole if it has no other.
+[[nodiscard]] Lens LensOf(const Camera& camera);
 
 /// The laser scanner (thesis Table 5.1), at its link's frame L (x forward, y left, z up at zero
 /// mast height).

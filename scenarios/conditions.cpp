@@ -37,6 +37,8 @@ Conditions DrawConditions(const Scenario& scenario, std::uint64_t seed) {
   conditions.texture =
       RandomStream(texture_seed, "variation.texture").Index(std::uint64_t{1} << 32);
   conditions.light = Draw(seed, "light", variation.light.low, variation.light.high);
+  conditions.stereo_yaw_error_rad =
+      DrawEitherWay(seed, "stereo_yaw_error", variation.stereo_yaw_error_rad);
   conditions.motor_mismatch = DrawEitherWay(seed, "motor_mismatch", variation.motor_mismatch);
   // An old plan is wrong as a whole, by its scale, and a little differently in each pipe.
   const double scale_error =

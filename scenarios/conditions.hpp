@@ -19,6 +19,7 @@ struct Conditions {
   double friction_factor{1.0};     ///< times the ground's friction
   std::uint64_t texture{};         ///< seed of the wall's look
   double light{1.0};               ///< brightness of the robot's lights against their nominal
+  double stereo_yaw_error_rad{};   ///< of the right camera against its calibration
   /// The robot's map: for each pipe of the network, by name, mapped length / true length.
   std::map<std::string, double> map_scale;
   double motor_mismatch{};  ///< left motors turn this share faster than told, right ones slower

@@ -48,7 +48,8 @@ void ReadIfGiven(const YamlNode& map, std::string_view key, Value& value, const 
 
 Variation ParseVariation(const YamlNode& node) {
   node.AllowOnly({"start_offset_mm", "start_yaw_deg", "friction", "friction_factor",
-                  "motor_mismatch_percent", "map_error_percent", "texture", "light"});
+                  "motor_mismatch_percent", "map_error_percent", "texture", "light",
+                  "stereo_yaw_error_deg"});
   Variation variation;
   ReadIfGiven(node, "start_offset_mm", variation.start_offset_m,
               [](const YamlNode& n) { return n.Number(0.0, 10000.0) / 1000.0; });
@@ -69,7 +70,32 @@ Variation ParseVariation(const YamlNode& node) {
   ReadIfGiven(node, "texture", variation.texture, [](const YamlNode& n) { return n.Boolean(); });
   ReadIfGiven(node, "light", variation.light,
               [](const YamlNode& n) { return ParseInterval(n, 0.0, 1.0); });
+  ReadIfGiven(node, "stereo_yaw_error_deg", variation.stereo_yaw_error_rad,
+              [](const YamlNode& n) { return n.Number(0.0, 1.0) * kDegree; });
   return variation;
+}
+
+double ParseIllumination(const YamlNode& node) {
+  if (node.Text() == "bright") return 1.0;
+  if (node.Text() == "dimmed") return kDimmed;
+  throw node.Error(
+      fmt::format("\"{:.40}\" is no illumination; known are bright and dimmed", node.Text()));
+}
+
+CameraSettings ParseCameras(const YamlNode& node) {
+  node.AllowOnly(
+      {"illumination", "exposure_factor", "gain_dB", "drops_on_lens", "dropped_frames_percent"});
+  CameraSettings cameras;
+  ReadIfGiven(node, "illumination", cameras.illumination, ParseIllumination);
+  ReadIfGiven(node, "exposure_factor", cameras.exposure_factor,
+              [](const YamlNode& n) { return n.Number(0.01, 10.0); });
+  ReadIfGiven(node, "gain_dB", cameras.gain_factor,
+              [](const YamlNode& n) { return std::pow(10.0, n.Number(-40.0, 40.0) / 20.0); });
+  ReadIfGiven(node, "drops_on_lens", cameras.drops_on_lens,
+              [](const YamlNode& n) { return static_cast<int>(n.Integer(0, 100)); });
+  ReadIfGiven(node, "dropped_frames_percent", cameras.dropped_share,
+              [](const YamlNode& n) { return n.Number(0.0, 100.0) / 100.0; });
+  return cameras;
 }
 
 Limits ParseLimits(const YamlNode& node) {
@@ -240,7 +266,7 @@ Scenario ParseScenario(const std::string& text, const std::filesystem::path& nam
                        const NetworkReader& read_network) {
   const YamlNode root = YamlNode::Parse(text, name);
   root.AllowOnly({"name", "description", "network", "robot", "materials", "start", "goal", "via",
-                  "time_limit_s", "variation", "limits", "blind", "faults"});
+                  "time_limit_s", "variation", "cameras", "limits", "blind", "faults"});
   Scenario scenario;
   scenario.file = name;
   scenario.name = ParseName(root["name"]);
@@ -253,6 +279,7 @@ Scenario ParseScenario(const std::string& text, const std::filesystem::path& nam
   ReadIfGiven(root, "materials", scenario.materials_file, ParsePath);
   scenario.time_limit_s = root["time_limit_s"].Number(1.0, 86400.0);
   ReadIfGiven(root, "variation", scenario.variation, ParseVariation);
+  ReadIfGiven(root, "cameras", scenario.cameras, ParseCameras);
   ReadIfGiven(root, "limits", scenario.limits, ParseLimits);
   scenario.faults = ParseFaults(root);
 

@@ -39,7 +39,21 @@ struct Variation {
                         ///< too short
   bool texture{false};  ///< every seed has its own wall texture
   Interval light{1.0, 1.0};  ///< brightness of the robot's lights against their nominal
+  /// The right camera is turned against its calibration by up to this, either way.
+  double stereo_yaw_error_rad{};
 };
+
+/// How the cameras fare, whatever the seed. The defaults change nothing.
+struct CameraSettings {
+  /// Brightness of the robot's lights against their nominal: `bright` 1, `dimmed` kDimmed.
+  double illumination{1.0};
+  double exposure_factor{1.0}, gain_factor{1.0};  ///< times the cameras' own
+  int drops_on_lens{};     ///< water on each front glass; each seed scatters its own
+  double dropped_share{};  ///< of the frames never arrive
+};
+/// The thesis shows its stereo pairs twice, lit brightly and dimly (figs 5.8 and 5.9, 5.17 and
+/// 5.18), and gives no figure: three stops.
+inline constexpr double kDimmed = 0.125;
 
 /// What the judge accepts.
 struct Limits {
@@ -71,6 +85,7 @@ struct Scenario {
   std::vector<std::string> via;  ///< manholes to pass, in order
   double time_limit_s{};         ///< simulated
   Variation variation;
+  CameraSettings cameras;
   Limits limits;
   std::vector<robot::Fault> faults;  ///< of the robot's sensors
 

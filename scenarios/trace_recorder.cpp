@@ -88,6 +88,7 @@ Eigen::Vector2d ChannelPoint(const network::PipeAxis& axis, const navigation::Ma
 TraceRecorder::TraceRecorder(const Scenario& scenario, const robot::Description& description)
     : scenario_(scenario),
       camera_(description.front_camera),
+      rectifier_(camera_, robot::FrontRectification(description)),
       camera_x_m_(description.PoseInBase(camera_.link).translation().x()),
       tyre_radius_m_(description.tyres.at(description.wheels.front()).radius_m) {}
 
@@ -188,7 +189,7 @@ std::string TraceRecorder::Thumbnail(const perception::FaultCandidate& candidate
   const int size = std::min({kThumbnail_px, image.width, image.height});
   const int left = std::clamp(static_cast<int>(middle.x) - size / 2, 0, image.width - size);
   const int top = std::clamp(static_cast<int>(middle.y) - size / 2, 0, image.height - size);
-  return Jpeg(front_image_(cv::Rect(left, top, size, size)));
+  return Jpeg(rectifier_.Rectify(front_image_)(cv::Rect(left, top, size, size)));
 }
 
 void TraceRecorder::Look(const perception::LaserObservation& laser,

@@ -10,6 +10,7 @@
 #include "robot/description.hpp"
 #include "robot/hardware.hpp"
 #include "robot/readings.hpp"
+#include "robot/rectifier.hpp"
 #include "scenarios/mission_trace.hpp"
 #include "scenarios/scenario.hpp"
 #include "scenarios/trace_hash.hpp"
@@ -54,6 +55,7 @@ class TraceRecorder {
 
   const Scenario& scenario_;
   robot::Camera camera_;
+  robot::Rectifier rectifier_;
   double camera_x_m_{};
   double tyre_radius_m_{};
   MissionTrace trace_;

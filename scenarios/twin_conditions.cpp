@@ -13,7 +13,10 @@ sim::Conditions TwinConditions(const Scenario& scenario, const Conditions& condi
   twin.wheel_friction = conditions.friction;
   twin.friction_factor = conditions.friction_factor;
   twin.left_right_mismatch = conditions.motor_mismatch;
-  twin.light = conditions.light;
+  twin.light = conditions.light * scenario.cameras.illumination;
+  twin.cameras = {conditions.stereo_yaw_error_rad, scenario.cameras.drops_on_lens,
+                  scenario.cameras.dropped_share, scenario.cameras.exposure_factor,
+                  scenario.cameras.gain_factor};
   // For the widest pipe of the route: set lower, its crown would lie beyond the laser's threshold.
   twin.mast_diameter_m = 0.0;
   for (const network::RouteLeg& leg : route) {

@@ -3,13 +3,29 @@
 #include <stdexcept>
 
 #include "base/random.hpp"
-#include "sim/sensor_noise.hpp"
 
 namespace kantaro::sim {
+namespace {
 
-CameraRig::CameraRig(std::shared_ptr<const Scenery> scenery, int threads) {
+cv::Mat Take(const Shot& shot, const RayCaster& rays, Renderer& renderer,
+             Imager::Scratch& scratch) {
+  const LensMap& lens = shot.imager->lens();
+  CameraView view = lens.ideal();
+  view.X_WC = shot.X_WC;
+  const MotionField field(lens, rays, shot.X_WC, shot.motion);
+  RandomStream noise(shot.seed, shot.noise_stream);
+  return shot.imager->Expose(renderer.Render(view, shot.lamps), field, noise, scratch);
+}
+
+}  // namespace
+
+CameraRig::CameraRig(std::shared_ptr<const Scenery> scenery, std::shared_ptr<const RayCaster> rays,
+                     cv::Size largest, int threads)
+    : rays_(std::move(rays)) {
   if (threads < 1) throw std::invalid_argument("cameras need at least one render thread");
-  for (int i = 0; i < threads; ++i) renderers_.push_back(std::make_unique<Renderer>(scenery));
+  const RendererOptions options{largest.width, largest.height};
+  for (int i = 0; i < threads; ++i)
+    renderers_.push_back(std::make_unique<Renderer>(scenery, options));
   for (const auto& renderer : renderers_)
     threads_.emplace_back([this, &renderer] { Work(*renderer); });
 }
@@ -22,13 +38,9 @@ CameraRig::~CameraRig() {
   work_.notify_all();
 }
 
-std::future<cv::Mat> CameraRig::Capture(const CameraView& view, const Lamps& lamps,
-                                        std::uint64_t seed, const std::string& noise_stream) {
-  Job job([view, lamps, seed, noise_stream](Renderer& renderer) {
-    cv::Mat image = renderer.Render(view, lamps);
-    RandomStream noise(seed, noise_stream);
-    AddSensorNoise(image, noise);
-    return image;
+std::future<cv::Mat> CameraRig::Capture(Shot shot) {
+  Job job([this, shot = std::move(shot)](Renderer& renderer, Imager::Scratch& scratch) {
+    return Take(shot, *rays_, renderer, scratch);
   });
   std::future<cv::Mat> image = job.get_future();
   {
@@ -40,6 +52,7 @@ std::future<cv::Mat> CameraRig::Capture(const CameraView& view, const Lamps& lam
 }
 
 void CameraRig::Work(Renderer& renderer) {
+  Imager::Scratch scratch;
   for (;;) {
     std::unique_lock lock(mutex_);
     work_.wait(lock, [this] { return closing_ || !jobs_.empty(); });
@@ -47,7 +60,7 @@ void CameraRig::Work(Renderer& renderer) {
     Job job = std::move(jobs_.front());
     jobs_.pop_front();
     lock.unlock();
-    job(renderer);
+    job(renderer, scratch);
   }
 }
 

@@ -72,7 +72,7 @@ class Twin::Impl {
         front_steps_(StepsPer(description_.front_camera.rate_Hz, "front camera")),
         stereo_steps_(StepsPer(description_.stereo_left.rate_Hz, "stereo cameras")) {
     for (const std::string& link : description_.lights) lamp_mounts_.push_back(Mount(link));
-    if (world_.scenery) cameras_.emplace(world_.scenery, conditions_.render_threads);
+    if (world_.scenery) MountCameras();
     physics_.Place(*world_.sewer, conditions_.start);
   }
 
@@ -130,6 +130,14 @@ class Twin::Impl {
     return truth;
   }
 
+  Isometry3d TruePoseOf(const robot::Camera& camera) const {
+    Isometry3d X_BC = Mount(camera.link);
+    X_BC.rotate(camera.R_LC);
+    if (camera.link == description_.stereo_right.link)
+      X_BC.rotate(Eigen::AngleAxisd(conditions_.cameras.stereo_yaw_error_rad, Vector3d::UnitY()));
+    return X_BC;
+  }
+
  private:
   struct Pending {
     Reading reading;
@@ -167,15 +175,10 @@ class Twin::Impl {
     if (steps_ % inertial_steps_ == 0) Queue(Time(), 0.0, ReadInertial());
     if (steps_ % infrared_steps_ == 0) Queue(Time(), 0.0, ReadInfrared(X_WB));
     if (!cameras_) return;
-    if (steps_ % front_steps_ == 0) {
-      Pending& front = Queue(Time(), description_.front_camera.latency_s, robot::FrontImage{});
-      front.images.push_back(Photograph(X_WB, description_.front_camera));
-    }
-    if (steps_ % stereo_steps_ == 0) {
-      Pending& stereo = Queue(Time(), description_.stereo_left.latency_s, robot::StereoPair{});
-      stereo.images.push_back(Photograph(X_WB, description_.stereo_left));
-      stereo.images.push_back(Photograph(X_WB, description_.stereo_right));
-    }
+    if (steps_ % front_steps_ == 0)
+      Photograph(robot::FrontImage{}, robot::Sensor::kFrontCamera, {&*front_});
+    if (steps_ % stereo_steps_ == 0)
+      Photograph(robot::StereoPair{}, robot::Sensor::kStereoCameras, {&*left_, &*right_});
   }
 
   /// Readings of one instant keep the order in which they were queued.
@@ -217,16 +220,68 @@ class Twin::Impl {
     return ranges;
   }
 
-  std::future<cv::Mat> Photograph(const Isometry3d& X_WB, const robot::Camera& camera) {
-    const CameraView view{X_WB * Mount(camera.link), camera.width_px,    camera.height_px,
-                          camera.focal_px,           camera.center_x_px, camera.center_y_px};
-    Lamps lamps;
+  /// A camera as it truly is.
+  struct MountedCamera {
+    std::string link;
+    double latency_s{};
+    Isometry3d X_BC{Isometry3d::Identity()};
+    std::shared_ptr<const Imager> imager;
+  };
+
+  void MountCameras() {
+    front_ = MountCamera(description_.front_camera);
+    left_ = MountCamera(description_.stereo_left);
+    right_ = MountCamera(description_.stereo_right);
+    cv::Size largest;
+    for (const auto* camera : {&front_, &left_, &right_}) {
+      const CameraView& ideal = (*camera)->imager->lens().ideal();
+      largest = {std::max(largest.width, ideal.width_px),
+                 std::max(largest.height, ideal.height_px)};
+    }
+    cameras_.emplace(world_.scenery, world_.rays, largest, conditions_.render_threads);
+  }
+
+  MountedCamera MountCamera(robot::Camera camera) const {
+    camera.sensor.exposure_s *= conditions_.cameras.exposure_factor;
+    camera.sensor.gain *= conditions_.cameras.gain_factor;
+    RandomStream random(conditions_.seed, "lens." + camera.link);
+    return {camera.link, camera.latency_s, TruePoseOf(camera),
+            std::make_shared<const Imager>(
+                camera, ScatterDrops(conditions_.cameras.drops_on_lens, camera, random))};
+  }
+
+  /// Exposes cameras together; their images wait in one reading, or are lost together.
+  template <typename Images>
+  void Photograph(Images&& images, robot::Sensor sensor,
+                  std::initializer_list<const MountedCamera*> cameras) {
+    const MountedCamera& first = **cameras.begin();
+    RandomStream fate(conditions_.seed, fmt::format("frame.{}.{}", first.link, steps_));
+    if (fate.Uniform(0.0, 1.0) < conditions_.cameras.dropped_share) {
+      Queue(Time(), first.latency_s, robot::Loss{sensor, 1, false});
+      return;
+    }
+    Pending& pending = Queue(Time(), first.latency_s, std::forward<Images>(images));
+    for (const MountedCamera* camera : cameras) pending.images.push_back(Expose(*camera));
+  }
+
+  std::future<cv::Mat> Expose(const MountedCamera& camera) {
+    const Isometry3d X_WB = physics_.PoseOfBase();
+    Shot shot;
+    shot.imager = camera.imager;
+    shot.X_WC = X_WB * camera.X_BC;
+    shot.seed = conditions_.seed;
+    shot.noise_stream = fmt::format("sensor.{}.{}", camera.link, steps_);
+    const Eigen::Matrix3d R_CB = camera.X_BC.linear().transpose();
+    const Vector3d w_B = physics_.AngularVelocity();
+    shot.motion.angular_velocity_C = R_CB * w_B;
+    shot.motion.velocity_C = R_CB * (X_WB.linear().transpose() * physics_.VelocityOfBase() +
+                                     w_B.cross(camera.X_BC.translation()));
     for (const Isometry3d& X_BLamp : lamp_mounts_)
-      lamps.p_WLamp.push_back((X_WB * X_BLamp).translation());
-    if (!lamp_mounts_.empty()) lamps.direction_W = (X_WB * lamp_mounts_.front()).linear().col(0);
-    lamps.brightness = std::min(1.0, lights_ * conditions_.light);
-    return cameras_->Capture(view, lamps, conditions_.seed,
-                             fmt::format("sensor.{}.{}", camera.link, steps_));
+      shot.lamps.p_WLamp.push_back((X_WB * X_BLamp).translation());
+    if (!lamp_mounts_.empty())
+      shot.lamps.direction_W = (X_WB * lamp_mounts_.front()).linear().col(0);
+    shot.lamps.brightness = std::min(1.0, lights_ * conditions_.light);
+    return cameras_->Capture(std::move(shot));
   }
 
   void Locate(GroundTruth& truth) const {
@@ -257,6 +312,7 @@ class Twin::Impl {
   std::int64_t encoder_steps_, infrared_steps_, inertial_steps_, front_steps_, stereo_steps_;
   Isometry3d laser_mount_{Mount(description_.laser.link)};
   std::vector<Isometry3d> lamp_mounts_;
+  std::optional<MountedCamera> front_, left_, right_;
   std::optional<CameraRig> cameras_;
 
   std::int64_t steps_{};
@@ -277,5 +333,8 @@ robot::CommandOutcome Twin::Apply(const robot::Command& command) { return impl_-
 void Twin::Stop() { impl_->Stop(); }
 RunTime Twin::Now() const { return impl_->Now(); }
 GroundTruth Twin::Truth() { return impl_->Truth(); }
+Eigen::Isometry3d Twin::TruePoseOf(const robot::Camera& camera) const {
+  return impl_->TruePoseOf(camera);
+}
 
 }  // namespace kantaro::sim

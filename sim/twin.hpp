@@ -29,6 +29,17 @@ struct World {
 [[nodiscard]] World BuildWorld(const network::Network& network, std::uint64_t texture_seed,
                                bool cameras, const std::optional<GripTable>& grips = {});
 
+/// What is not in the cameras' files: what calibration missed, and what happens to pictures.
+struct CameraConditions {
+  /// How far the right camera is truly turned about its own y axis beyond what its calibration
+  /// says: positive to the right.
+  double stereo_yaw_error_rad{};
+  int drops_on_lens{};          ///< of water, on each; the seed scatters them
+  double dropped_share{};       ///< of the frames never arrive: a Loss comes instead
+  double exposure_factor{1.0};  ///< times each sensor's exposure
+  double gain_factor{1.0};
+};
+
 /// What a run's seed decides about the robot and its contact with the world.
 struct Conditions {
   StartPose start;
@@ -38,6 +49,7 @@ struct Conditions {
   double
       left_right_mismatch{};  ///< left motors turn this share faster than told, right ones slower
   double light{1.0};          ///< LED brightness against the nominal
+  CameraConditions cameras;
   double mast_diameter_m{0.300};  ///< the mast was set for this pipe
   double time_limit_s{600.0};     ///< Read() ends the run here
   int render_threads{2};          ///< beside the physics; decides speed, never a result
@@ -72,6 +84,9 @@ class Twin : public robot::Hardware {
   [[nodiscard]] robot::RunTime Now() const override;
 
   [[nodiscard]] GroundTruth Truth();
+  /// Where a camera of the description, named by its link, truly is in the base: X_BC, with what
+  /// its calibration missed.
+  [[nodiscard]] Eigen::Isometry3d TruePoseOf(const robot::Camera& camera) const;
 
  private:
   class Impl;

@@ -15,6 +15,7 @@
 #include "base/input_error.hpp"
 #include "robot/mirror_angle.hpp"
 #include "robot/recording/messages.hpp"
+#include "robot/rectifier.hpp"
 
 namespace kantaro::robot {
 namespace {
@@ -46,27 +47,19 @@ std::vector<std::uint8_t> Png(const cv::Mat& image) {
   return bytes;
 }
 
-sensor_msgs::CameraInfo Info(const Camera& camera, RunTime captured_at, double baseline_m) {
+/// K and D are the picture's as it comes, R and P make it the rectified one.
+sensor_msgs::CameraInfo Info(const Camera& camera, const Eigen::Matrix3d& R_RC, RunTime captured_at,
+                             double baseline_m) {
   auto info = Stamped<sensor_msgs::CameraInfo>(captured_at, camera.link);
+  const Lens lens = LensOf(camera);
+  const double f = camera.focal_px;
   info.width = static_cast<std::uint32_t>(camera.width_px);
   info.height = static_cast<std::uint32_t>(camera.height_px);
   info.distortion_model = "plumb_bob";
-  info.D.assign(5, 0.0);
-  info.K = {
-      camera.focal_px, 0, camera.center_x_px, 0, camera.focal_px, camera.center_y_px, 0, 0, 1};
-  info.R = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  info.P = {camera.focal_px,
-            0,
-            camera.center_x_px,
-            -camera.focal_px * baseline_m,
-            0,
-            camera.focal_px,
-            camera.center_y_px,
-            0,
-            0,
-            0,
-            1,
-            0};
+  info.D = {lens.k1, lens.k2, lens.p1, lens.p2, lens.k3};
+  info.K = {lens.focal_x_px, 0, lens.center_x_px, 0, lens.focal_y_px, lens.center_y_px, 0, 0, 1};
+  Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(info.R.data()) = R_RC;
+  info.P = {f, 0, camera.center_x_px, -f * baseline_m, 0, f, camera.center_y_px, 0, 0, 0, 1, 0};
   return info;
 }
 
@@ -139,27 +132,27 @@ class Recorder::Impl {
   }
 
   void Write(const FrontImage& front) {
-    PutImage("/front", description_.front_camera, front.image, 0.0);
+    PutImage("/front", description_.front_camera, FrontRectification(description_), front.image,
+             0.0);
   }
 
   void Write(const StereoPair& pair) {
-    const auto lens = [&](const Camera& camera) -> Eigen::Vector3d {
-      return description_.PoseInBase(camera.link).translation();
+    const auto put = [&](const char* topic, const Camera& camera, const cv::Mat& image,
+                         double right_by_m) {
+      PutImage(topic, camera, StereoRectification(description_, camera), image, right_by_m);
     };
-    const double baseline_m =
-        (lens(description_.stereo_right) - lens(description_.stereo_left)).norm();
-    PutImage("/stereo/left", description_.stereo_left, pair.left, 0.0);
-    PutImage("/stereo/right", description_.stereo_right, pair.right, baseline_m);
+    put("/stereo/left", description_.stereo_left, pair.left, 0.0);
+    put("/stereo/right", description_.stereo_right, pair.right, StereoBaseline_m(description_));
   }
 
-  void PutImage(const std::string& camera_topic, const Camera& camera, const cv::Mat& image,
-                double baseline_m) {
+  void PutImage(const std::string& camera_topic, const Camera& camera, const Eigen::Matrix3d& R_RC,
+                const cv::Mat& image, double baseline_m) {
     auto message = Stamped<sensor_msgs::CompressedImage>(captured_at_, camera.link);
     message.format = "bgr8; png compressed bgr8";
     message.data = Png(image);
     Put((camera_topic + "/image/compressed").c_str(), arrived_at_, message);
     Put((camera_topic + "/camera_info").c_str(), arrived_at_,
-        Info(camera, captured_at_, baseline_m));
+        Info(camera, R_RC, captured_at_, baseline_m));
   }
 
   void Write(const LaserRevolution& revolution) {

@@ -353,8 +353,8 @@ TEST(CameraFile, RefusesAnImageWithoutPixels) {
     (void)files.Parse();
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_EQ(error.line(), 5);  // the fifth line of cameras.yaml
-    EXPECT_THAT(error.what(), HasSubstr("cameras.yaml:5"));
+    EXPECT_EQ(error.line(), 8);  // the eighth line of cameras.yaml
+    EXPECT_THAT(error.what(), HasSubstr("cameras.yaml:8"));
   }
 }
 
@@ -364,6 +364,30 @@ TEST(CameraFile, TakesBothStereoCamerasInOneExposure) {
   files.cameras.text = files.cameras.text.substr(0, right) +
                        Edit(files.cameras.text.substr(right), "rate_Hz: 5", "rate_Hz: 6");
   ExpectError(files, "stereo_right", "one exposure");
+}
+
+TEST(CameraFile, RefusesOpticsThatCannotBe) {
+  const auto edited = [](const char* from, const char* to) {
+    Files files;
+    files.cameras.text = Edit(files.cameras.text, from, to);
+    return files;
+  };
+  ExpectError(edited("[-0.135, 0.062, 0.0006, -0.0009, 0]", "[-2, 0, 0, 0, 0]"),
+              "front.lens.distortion", "fold the picture");
+  ExpectError(edited("[-0.135, 0.062, 0.0006, -0.0009, 0]", "[-0.135, 0.062]"),
+              "front.lens.distortion", "5");
+  ExpectError(edited("full_well_e: 40000", "full_well_e: 0"), "front.sensor.full_well_e",
+              "outside");
+  ExpectError(edited("exposure_ms: 5", "shutter_ms: 5"), "front.sensor.shutter_ms", "unknown key");
+  ExpectError(edited("exposure_ms: 5", "exposure_ms: 500"), "front.latency_s",
+              "before it is exposed");
+  ExpectError(edited("[-0.42, 0.10, 0]", "[-1, 0, 0]"), "front.sensor.vignetting",
+              "of the light must arrive");
+  ExpectError(edited("vignetting: cos4", "vignetting: cos3"), "stereo_left.sensor.vignetting",
+              "cos4 is wanted");
+  ExpectError(edited("focal_px: 554.256", "focal_px: 500"), "stereo_right", "rectified");
+  ExpectError(edited("[0.11, -0.23, 0.16]", "[0.11, -23, 0.16]"), "stereo.right_rotation_deg",
+              "-10 to 10");
 }
 
 TEST(ReadDescription, NamesTheFileThatIsMissing) {

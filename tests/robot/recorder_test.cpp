@@ -105,6 +105,11 @@ TEST_F(RecorderTest, GivesEachImageItsCamera) {
   // P[3] = -focal length * baseline: 60 mm (thesis 5.6 and docs/robot.md).
   const nlohmann::json P = bag["/stereo/right/camera_info"]["last"]["P"];
   EXPECT_NEAR(P[3].get<double>() / P[0].get<double>(), -0.060, 1e-9);
+  const nlohmann::json info = bag["/front/camera_info"]["last"];
+  EXPECT_EQ(info["D"][0], description_.front_camera.lens->k1);
+  EXPECT_EQ(info["D"][2], description_.front_camera.lens->p1);
+  EXPECT_EQ(info["K"][0], description_.front_camera.lens->focal_x_px);
+  EXPECT_EQ(info["P"][0], description_.front_camera.focal_px);
 }
 
 TEST_F(RecorderTest, TakesItsNameOnlyWhenItIsWhole) {

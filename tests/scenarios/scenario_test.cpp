@@ -96,6 +96,26 @@ TEST(Scenario, TakesSensorsFromTheRobotOrSpoilsThem) {
               testing::StartsWith("folder/tee.yaml:8: faults[0].amount: a dead sensor has no"));
 }
 
+TEST(Scenario, SaysHowTheCamerasFare) {
+  const Scenario plain = Parse(kTee);
+  EXPECT_EQ(plain.cameras.illumination, 1.0);
+  EXPECT_EQ(plain.variation.stereo_yaw_error_rad, 0.0);
+  const Scenario scenario =
+      Parse(Replaced(kTee, "texture: true", "stereo_yaw_error_deg: 0.1") +
+            "cameras: {illumination: dimmed, exposure_factor: 2, gain_dB: 6, drops_on_lens: 3, "
+            "dropped_frames_percent: 5}\n");
+  EXPECT_EQ(scenario.cameras.illumination, kDimmed);
+  EXPECT_EQ(scenario.cameras.exposure_factor, 2.0);
+  EXPECT_NEAR(scenario.cameras.gain_factor, 2.0, 0.01);  // 6 dB
+  EXPECT_EQ(scenario.cameras.drops_on_lens, 3);
+  EXPECT_DOUBLE_EQ(scenario.cameras.dropped_share, 0.05);
+  EXPECT_DOUBLE_EQ(scenario.variation.stereo_yaw_error_rad, 0.1 * std::numbers::pi / 180.0);
+  EXPECT_THAT(Refusal(std::string(kTee) + "cameras: {illumination: dark}\n"),
+              testing::HasSubstr("cameras.illumination: \"dark\" is no illumination"));
+  EXPECT_THAT(Refusal(std::string(kTee) + "cameras: {drops: 3}\n"),
+              testing::HasSubstr("cameras.drops: unknown key"));
+}
+
 TEST(Scenario, RefusesAPipeThatDoesNotBeginAtTheStart) {
   EXPECT_THAT(Refusal(Replaced(kTee, "pipe: S-M1, chainage_m: 0.6", "pipe: M2-E")),
               testing::HasSubstr("not through the start manhole"));

@@ -6,9 +6,13 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <opencv2/imgproc.hpp>
 
 #include "base/sha256.hpp"
 #include "network/formats.hpp"
+#include "robot/rectifier.hpp"
+#include "sim/renderer.hpp"
+#include "sim/robot_model.hpp"
 
 namespace kantaro::sim {
 namespace {
@@ -100,6 +104,109 @@ TEST_F(TwinTest, TheLaserSeesThePipeAndThenOnlyTheTopOfAPlainManhole) {
   };
   for (const robot::LaserSample& sample : next_turn(twin).samples)
     EXPECT_NEAR(sample.range_m, 0.150, 0.006);
+}
+
+template <typename Images>
+Images FirstOf(Twin& twin) {
+  while (const auto reading = twin.Read()) {
+    if (const auto* images = std::get_if<Images>(&reading->value)) return *images;
+  }
+  throw std::logic_error("no image arrived");
+}
+
+/// How far the second picture's contents lie from the first's in a window, by least squares: second
+/// = contrast · (first − shift · gradient).
+cv::Point2d Shift(const cv::Mat& first, const cv::Mat& second, const cv::Rect& window) {
+  const auto detail = [](const cv::Mat& image) {
+    cv::Mat grey, fine, coarse;
+    cv::extractChannel(image, grey, 1);
+    grey.convertTo(grey, CV_64F);
+    cv::GaussianBlur(grey, fine, {}, 2.0);
+    cv::GaussianBlur(grey, coarse, {}, 8.0);
+    return cv::Mat(fine - coarse);
+  };
+  const cv::Mat one = detail(first), two = detail(second);
+  cv::Matx33d normal = cv::Matx33d::zeros();
+  cv::Vec3d right;
+  for (int row = window.y; row < window.y + window.height; ++row) {
+    for (int col = window.x; col < window.x + window.width; ++col) {
+      const cv::Vec3d known(one.at<double>(row, col),
+                            0.5 * (one.at<double>(row, col + 1) - one.at<double>(row, col - 1)),
+                            0.5 * (one.at<double>(row + 1, col) - one.at<double>(row - 1, col)));
+      normal += known * known.t();
+      right += two.at<double>(row, col) * known;
+    }
+  }
+  const cv::Vec3d solved = normal.inv() * right;
+  return {-solved[1] / solved[0], -solved[2] / solved[0]};
+}
+
+const cv::Rect kWindows[] = {
+    {20, 20, 128, 128}, {490, 20, 128, 128}, {20, 330, 128, 128}, {490, 330, 128, 128}};
+
+// The whole way of a picture, through lens and sensor and back through the calibration, ends at
+// what an ideal pinhole on the camera's link sees.
+TEST_F(TwinTest, RectifiedPicturesAreThoseOfIdealPinholes) {
+  const World world = BuildWorld(network_, 1, true);
+  Twin twin(world, description_, StartIn("P1", 1.0));
+  const robot::StereoPair pair =
+      robot::StereoRectifier(description_).Rectify(FirstOf<robot::StereoPair>(twin));
+  Lamps lamps;
+  for (const std::string& link : description_.lights)
+    lamps.p_WLamp.push_back(
+        (twin.Truth().X_WB * MountPose(description_, link, description_.MastHeight(0.3)))
+            .translation());
+  lamps.direction_W = twin.Truth().X_WB.linear().col(0);
+  Renderer renderer(world.scenery);
+  for (const auto& [camera, image] :
+       {std::pair{description_.stereo_left, pair.left}, {description_.stereo_right, pair.right}}) {
+    CameraView view{twin.Truth().X_WB * MountPose(description_, camera.link, 0.0),
+                    camera.width_px,
+                    camera.height_px,
+                    camera.focal_px,
+                    camera.center_x_px,
+                    camera.center_y_px};
+    const cv::Mat ideal = renderer.Render(view, lamps);
+    cv::Point2d mean;
+    for (const cv::Rect& window : kWindows) {
+      const cv::Point2d shift = Shift(ideal, image, window);
+      EXPECT_LT(cv::norm(shift), 0.25);  // a plain wall under noise
+      mean += shift / 4.0;
+    }
+    EXPECT_LT(cv::norm(mean), 0.1);
+  }
+}
+
+// 0.05° turned to the right is f tan 0.05° (1 + x²) to the left: here x² is about 0.2.
+TEST_F(TwinTest, AStereoYawErrorMovesTheRightPictureAlone) {
+  const World world = BuildWorld(network_, 1, true);
+  Conditions conditions = StartIn("P1", 1.0);
+  Twin as_calibrated(world, description_, conditions);
+  conditions.cameras.stereo_yaw_error_rad = 0.05 * M_PI / 180.0;
+  Twin off(world, description_, conditions);
+  const auto one = FirstOf<robot::StereoPair>(as_calibrated), two = FirstOf<robot::StereoPair>(off);
+  EXPECT_EQ(cv::norm(one.left, two.left, cv::NORM_INF), 0.0);
+  for (const cv::Rect& window : kWindows) {
+    const double x = (window.x + 64 - 320) / 555.0;
+    EXPECT_NEAR(Shift(one.right, two.right, window).x, -555.0 * 8.727e-4 * (1.0 + x * x), 0.08);
+  }
+}
+
+TEST_F(TwinTest, ReportsTheFramesThatWereDropped) {
+  Conditions conditions = StartIn("P1", 1.0);
+  conditions.cameras.dropped_share = 0.5;
+  Twin twin(BuildWorld(network_, 1, true), description_, conditions);
+  int images = 0, lost = 0;
+  while (const auto reading = twin.Read()) {
+    if (robot::SensorOf(*reading) > robot::Sensor::kStereoCameras) continue;
+    EXPECT_EQ(reading->arrived_at - reading->captured_at, 60ms);
+    const auto* loss = std::get_if<robot::Loss>(&reading->value);
+    EXPECT_TRUE(loss == nullptr || loss->readings == 1U);
+    ++(loss != nullptr ? lost : images);
+  }
+  EXPECT_EQ(images + lost, 18);  // 5 Hz of two sensors for 2 s; the last are still on their way
+  EXPECT_GT(lost, 3);
+  EXPECT_GT(images, 3);
 }
 
 TEST_F(TwinTest, RepeatsToTheBitWhateverTheNumberOfRenderThreads) {

@@ -1,0 +1,111 @@
+#include "sim/image_sensor.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "sim/renderer.hpp"
+
+namespace kantaro::sim {
+namespace {
+
+constexpr int kLevels = 256;
+constexpr int kTransmissions = 128;
+/// Below this signal the camera's curve is straight.
+constexpr double kToe = 0.01;
+/// A prime, so that no image width divides it and rows do not repeat under each other.
+constexpr std::size_t kField = 1'000'003;
+constexpr int kUnit = 32;  ///< one standard deviation in the field's integers
+
+const std::vector<std::int8_t>& Field() {
+  static const std::vector<std::int8_t> field = [] {
+    RandomStream random(0, "image noise field");
+    std::vector<std::int8_t> values(kField);
+    for (std::int8_t& value : values) {
+      value = static_cast<std::int8_t>(
+          std::lround(std::fmin(std::fmax(random.Normal(kUnit), -127.0), 127.0)));
+    }
+    return values;
+  }();
+  return field;
+}
+
+/// The light that the renderer draws as each level.
+const std::array<double, kLevels>& Radiances() {
+  static const std::array<double, kLevels> radiances = [] {
+    std::array<double, kLevels> inverse{};
+    for (int level = 0; level < kLevels; ++level) {
+      double low = 0.0, high = 16.0;
+      for (int i = 0; i < 60; ++i) {
+        const double middle = 0.5 * (low + high);
+        (255.0 * Response(middle) < std::min(level, 254) ? low : high) = middle;
+      }
+      inverse[static_cast<std::size_t>(level)] = low;
+    }
+    return inverse;
+  }();
+  return radiances;
+}
+
+double Slope(double signal) {
+  constexpr double kStep = 1e-5;
+  return (CameraCurve(signal + kStep) - CameraCurve(signal - kStep)) / (2.0 * kStep);
+}
+
+}  // namespace
+
+double CameraCurve(double signal) {
+  if (signal >= kToe) return Response(signal);
+  const double black = Response(0.0);
+  return black + (Response(kToe) - black) / kToe * signal;
+}
+
+ImageSensorModel::ImageSensorModel(const robot::ImageSensor& sensor, const cv::Mat& transmission)
+    : outcomes_(static_cast<std::size_t>(kTransmissions) * kLevels) {
+  double most = 0.0;
+  cv::minMaxLoc(transmission, nullptr, &most);
+  transmission.convertTo(rows_, CV_8U, (kTransmissions - 1) / most);
+  const double signal_per_e = sensor.gain * kFullSignal / sensor.full_well_e;
+  for (int row = 0; row < kTransmissions; ++row) {
+    const double share = most * row / (kTransmissions - 1);
+    for (int level = 0; level < kLevels; ++level) {
+      const double electrons =
+          std::min(sensor.full_well_e, sensor.sensitivity_e_s * sensor.exposure_s * share *
+                                           Radiances()[static_cast<std::size_t>(level)]);
+      const double signal = signal_per_e * electrons;
+      const double noise =
+          signal_per_e * std::sqrt(electrons + sensor.read_noise_e * sensor.read_noise_e);
+      outcomes_[static_cast<std::size_t>(row * kLevels + level)] = {
+          static_cast<std::int16_t>(std::lround(64.0 * 255.0 * CameraCurve(signal))),
+          static_cast<std::int16_t>(
+              std::lround(std::min(32767.0, 128.0 * 255.0 * Slope(signal) * noise)))};
+    }
+  }
+}
+
+void ImageSensorModel::Expose(cv::Mat& image, RandomStream& random) const {
+  if (image.type() != CV_8UC3 || image.size() != rows_.size())
+    throw std::invalid_argument("a sensor takes 8-bit BGR pictures of its own size");
+  const std::vector<std::int8_t>& field = Field();
+  std::size_t at = random.Index(kField);
+  const auto width = static_cast<std::size_t>(image.cols);
+  for (int y = 0; y < image.rows; ++y) {
+    if (at + 3 * width > kField) at -= kField - 3 * width;
+    auto* pixel = image.ptr<std::uint8_t>(y);
+    const auto* row = rows_.ptr<std::uint8_t>(y);
+    const std::int8_t* noise = field.data() + at;
+    for (std::size_t x = 0; x < width; ++x) {
+      const Outcome* outcomes = outcomes_.data() + static_cast<std::size_t>(row[x]) * kLevels;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const Outcome outcome = outcomes[pixel[3 * x + c]];
+        // Mean and noise in 1/4096 levels.
+        const int level = (outcome.mean * 64 + outcome.deviation * noise[3 * x + c] + 2048) >> 12;
+        pixel[3 * x + c] = static_cast<std::uint8_t>(std::clamp(level, 0, 255));
+      }
+    }
+    at += 3 * width;
+  }
+}
+
+}  // namespace kantaro::sim
