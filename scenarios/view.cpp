@@ -159,6 +159,7 @@ FolderFiles RenderView(const Scenario& scenario, const std::string& pipe, double
       conditions.texture, true, sim::ReadGripTable(scenario.materials_file));
   sim::Conditions twin_conditions = TwinConditions(scenario, conditions);
   twin_conditions.start = {pipe, chainage_m, leg == route.end() || leg->downstream, 0.0, 0.0};
+  twin_conditions.cameras.dropped_share = 0.0;
   sim::Twin twin(world, description, twin_conditions);
   const auto [front, stereo] = Look(twin);
   const Eigen::Isometry3d X_WB = twin.Truth().X_WB;

@@ -65,7 +65,14 @@ ImageSensorModel::ImageSensorModel(const robot::ImageSensor& sensor, const cv::M
     : outcomes_(static_cast<std::size_t>(kTransmissions) * kLevels) {
   double most = 0.0;
   cv::minMaxLoc(transmission, nullptr, &most);
-  transmission.convertTo(rows_, CV_8U, (kTransmissions - 1) / most);
+  // OpenCV's own conversion may fuse its steps on some processors, and round otherwise.
+  rows_.create(transmission.size(), CV_8U);
+  for (int y = 0; y < rows_.rows; ++y) {
+    for (int x = 0; x < rows_.cols; ++x) {
+      rows_.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(
+          std::lround((kTransmissions - 1) / most * transmission.at<float>(y, x)));
+    }
+  }
   const double signal_per_e = sensor.gain * kFullSignal / sensor.full_well_e;
   for (int row = 0; row < kTransmissions; ++row) {
     const double share = most * row / (kTransmissions - 1);
