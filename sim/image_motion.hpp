@@ -24,7 +24,7 @@ struct CameraMotion {
 /// to the walls on a grid, linear between its nodes.
 class MotionField {
  public:
-  static constexpr int kGrid_px = 32;
+  static constexpr int kGrid_px = 64;
 
   /// Nothing moves.
   MotionField() = default;

@@ -12,8 +12,8 @@ namespace {
 
 constexpr int kLevels = 256;
 constexpr int kTransmissions = 128;
-/// Below this signal the camera's curve is straight.
-constexpr double kToe = 0.01;
+/// Below this signal the camera's curve leaves the renderer's, whose slope has no end.
+constexpr double kToe = 0.02;
 /// A prime, so that no image width divides it and rows do not repeat under each other.
 constexpr std::size_t kField = 1'000'003;
 constexpr int kUnit = 32;  ///< one standard deviation in the field's integers
@@ -57,8 +57,12 @@ double Slope(double signal) {
 
 double CameraCurve(double signal) {
   if (signal >= kToe) return Response(signal);
-  const double black = Response(0.0);
-  return black + (Response(kToe) - black) / kToe * signal;
+  // The parabola from black that meets the curve with its slope.
+  static const double black = Response(0.0);
+  static const double chord = (Response(kToe) - black) / kToe;
+  static const double end = (Response(kToe + 1e-6) - Response(kToe - 1e-6)) / 2e-6;
+  static const double start = 2.0 * chord - end;
+  return black + signal * (start - std::max(0.0, signal) * (start - end) / (2.0 * kToe));
 }
 
 ImageSensorModel::ImageSensorModel(const robot::ImageSensor& sensor, const cv::Mat& transmission)

@@ -10,8 +10,8 @@
 namespace kantaro::sim {
 
 /// The camera's output for this amplified signal, 0 … 1 of the 8-bit range: Response(), as the
-/// renderer draws, but with a straight toe, for the slope of a camera's curve ends somewhere. Below
-/// 0 too: noise about black is seen because black is not the lowest level.
+/// renderer draws, but for a parabola below 0.02, for the slope of a camera's curve ends somewhere.
+/// Below 0 too: noise about black is seen because black is not the lowest level.
 [[nodiscard]] double CameraCurve(double signal);
 
 /// A sensor behind a lens: what it makes of light, in electrons.

@@ -7,8 +7,9 @@
 namespace kantaro::sim {
 namespace {
 
-/// Motion by less than this in an exposure or between two fields is not seen [px].
-constexpr double kUnseen_px = 0.5;
+/// Motion by less than this is not seen [px]: in an exposure, and between two fields.
+constexpr double kUnseenBlur_px = 1.0;
+constexpr double kUnseenComb_px = 0.5;
 constexpr int kMostTaps = 8;
 
 void Remap(const cv::Mat& ideal, const RemapMaps& maps, cv::Mat& image) {
@@ -38,8 +39,9 @@ Imager::Imager(const robot::Camera& camera, const std::vector<LensDrop>& drops)
 cv::Mat Imager::Expose(const cv::Mat& ideal, const MotionField& field, RandomStream& noise,
                        Scratch& scratch) const {
   cv::Mat image;
-  const double seen_s = settings_.exposure_s + (settings_.interlaced ? kField_s : 0.0);
-  if (field.Fastest() * seen_s <= kUnseen_px) {
+  const double between_s = settings_.interlaced ? kField_s : 0.0;
+  if (field.Fastest() * settings_.exposure_s <= kUnseenBlur_px &&
+      field.Fastest() * between_s <= kUnseenComb_px) {
     Remap(ideal, still_, image);
   } else {
     Blur(ideal, field, image, scratch);
@@ -52,7 +54,7 @@ void Imager::Blur(const cv::Mat& ideal, const MotionField& field, cv::Mat& image
                   Scratch& scratch) const {
   const double way_px = field.Fastest() * settings_.exposure_s;
   const int taps =
-      way_px <= kUnseen_px ? 1 : std::clamp(static_cast<int>(std::ceil(way_px)), 2, kMostTaps);
+      way_px <= kUnseenBlur_px ? 1 : std::clamp(static_cast<int>(std::ceil(way_px)), 2, kMostTaps);
   const double odd_rows_s = settings_.interlaced ? -kField_s : 0.0;
   // As far apart as gives their times the variance of the exposure's, T²/12.
   const double apart_s =

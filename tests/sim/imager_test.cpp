@@ -168,9 +168,24 @@ TEST(ImageSensor, ReadsItsOwnNoiseInTheDark) {
   const cv::Mat image = Expose(imager, Grey(imager.lens(), 0));
   cv::Scalar mean, deviation;
   cv::meanStdDev(image, mean, deviation);
-  // By hand: signal 0.001 on the toe, which rises by 0.97 √(1 − e^−0.01) = 0.09676 in 0.01.
+  // By hand: signal 0.001 about black, where the parabola up to 0.02 rises with twice its chord's
+  // slope less its end's: 2 · 0.97 · 0.14072 / 0.02 − 0.97 · 0.98020 / (2 · 0.14072) = 10.27.
   EXPECT_NEAR(mean[1], 255.0 * 0.03, 0.05);
-  EXPECT_NEAR(deviation[1], std::hypot(255.0 * 0.09676 / 0.01 * 0.001, std::sqrt(1.0 / 12.0)), 0.1);
+  EXPECT_NEAR(deviation[1], std::hypot(255.0 * 10.27 * 0.001, std::sqrt(1.0 / 12.0)), 0.1);
+}
+
+// A kink would be seen as a ring where the noise changes.
+TEST(ImageSensor, HasACurveWithoutKinks) {
+  EXPECT_DOUBLE_EQ(CameraCurve(0.0), 0.03);
+  EXPECT_NEAR(CameraCurve(1.0), 0.03 + 0.97 * std::sqrt(1.0 - std::exp(-1.0)), 1e-12);
+  constexpr double kStep = 1e-5;
+  double last = (CameraCurve(-0.01 + kStep) - CameraCurve(-0.01)) / kStep;
+  for (double s = -0.01; s < 0.1; s += kStep) {
+    const double slope = (CameraCurve(s + kStep) - CameraCurve(s)) / kStep;
+    EXPECT_LT(std::abs(slope - last), 0.01);
+    EXPECT_GT(slope, 0.0);
+    last = slope;
+  }
 }
 
 TEST(ImageSensor, HoldsNoMoreThanItsWell) {
@@ -259,9 +274,10 @@ TEST(MotionField, SpreadsThePipeOutwardWhileTheRobotDrivesOn) {
   const LensMap lens(camera);
   const RayCaster rays = StraightPipe(0.150);
   const MotionField field(lens, rays, OnTheAxis(), {{0.0, 0.0, 0.12}, Vector3d::Zero()});
-  for (int row = 0; row < 8; ++row) {
-    for (int col = 0; col < 10; ++col) {
-      const Vector2d r(32.0 * col - 159.5, 32.0 * row - 119.5);
+  constexpr int kGrid = MotionField::kGrid_px;
+  for (int row = 0; row * kGrid < 240; ++row) {
+    for (int col = 0; col * kGrid < 320; ++col) {
+      const Vector2d r(kGrid * col - 159.5, kGrid * row - 119.5);
       const Vector2d expected = 0.12 * r.norm() / (277.0 * 0.150) * r;
       const cv::Vec2d found = field.nodes().at<cv::Vec2d>(row, col);
       // Beyond the reach the wall is taken to lie there.
