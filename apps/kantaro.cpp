@@ -60,7 +60,7 @@ struct Words {
   std::string file, to, out, junit, baseline, pipe, chainage, pipes, length, spacing, count, page,
       from, controller, laser, noise, cut_controller, cut_laser, cut_front;
   std::string pace{"real"};
-  std::string seed{"1"}, seeds{"1"}, jobs, robot{"models/kantaro"}, hardware{"sim"};
+  std::string seed{"1"}, seeds{"1"}, jobs, robot{"models/kantaro"}, other_robot, hardware{"sim"};
   bool record{}, json{};
 };
 
@@ -124,6 +124,10 @@ int Dispatch(const CLI::App& app, const Words& words) {
                                   words.json};
     return scenarios::Run(request, std::cout);
   }
+  if (app.got_subcommand("replay")) {
+    return scenarios::Replay({words.file, Given(words.other_robot), Given(words.out), words.json},
+                             std::cout);
+  }
   if (app.got_subcommand("firmware")) {
     return scenarios::PlayFirmware(ReadFirmwareRequest(words), std::cout);
   }
@@ -185,7 +189,8 @@ void Declare(CLI::App& app, Words& words) {
       ->delimiter(',')
       ->allow_extra_args(false);
 
-  run->add_option("--hardware", words.hardware, "what to drive: sim (default), device:CONFIG");
+  run->add_option("--hardware", words.hardware,
+                  "what to drive: sim (default), replay:RECORDING, device:CONFIG");
   run->add_flag("--record", words.record, "write every reading and command as a ROS bag");
 
   CLI::App* firmware =
@@ -204,6 +209,13 @@ void Declare(CLI::App& app, Words& words) {
   firmware->add_option("--cut-controller", words.cut_controller, "pull its cable at this time [s]");
   firmware->add_option("--cut-laser", words.cut_laser, "pull the laser's");
   firmware->add_option("--cut-front", words.cut_front, "pull the front camera's");
+
+  CLI::App* replay = command(
+      "replay", "Play a recording back to perception and navigation, and compare to the bit.");
+  replay->add_option("RECORDING", words.file, "recording.bag of a run")->required();
+  replay->add_option("--robot", words.other_robot,
+                     "a robot's folder with other parameters: tells what they change");
+  replay->add_option("--out", words.out, "folder for the replay's report");
 
   CLI::App* suite = command(
       "suite", "Run many missions, each in a process of its own, and compare with a baseline.");

@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "base/files.hpp"
 #include "base/yaml.hpp"
 
 namespace kantaro::navigation {
@@ -22,7 +23,11 @@ RobotGeometry RobotGeometry::Of(const robot::Description& description) {
 }
 
 Parameters ReadParameters(const std::filesystem::path& file) {
-  const YamlNode root = YamlNode::Load(file);
+  return ParseParameters(ReadInputFile(file), file);
+}
+
+Parameters ParseParameters(const std::string& text, const std::filesystem::path& name) {
+  const YamlNode root = YamlNode::Parse(text, name);
   root.AllowOnly({"speeds", "approach_distance_m", "gate_deviations", "turn", "steering", "errors",
                   "silence_s"});
   const YamlNode speeds = root["speeds"];

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "robot/description.hpp"
 
@@ -42,5 +43,8 @@ struct Parameters {
 
 /// @throws InputError
 [[nodiscard]] Parameters ReadParameters(const std::filesystem::path& file);
+/// The same from text; complaints name `name` as the file.
+[[nodiscard]] Parameters ParseParameters(const std::string& text,
+                                         const std::filesystem::path& name);
 
 }  // namespace kantaro::navigation

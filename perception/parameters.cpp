@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "base/files.hpp"
 #include "base/yaml.hpp"
 
 namespace kantaro::perception {
@@ -144,7 +145,11 @@ stereo::Parameters ReadStereo(const YamlNode& node) {
 }  // namespace
 
 Parameters ReadParameters(const std::filesystem::path& file) {
-  const YamlNode root = YamlNode::Load(file);
+  return ParseParameters(ReadInputFile(file), file);
+}
+
+Parameters ParseParameters(const std::string& text, const std::filesystem::path& name) {
+  const YamlNode root = YamlNode::Parse(text, name);
   root.AllowOnly({"laser", "infrared", "rings", "faults", "stereo"});
   return {ReadLaser(root["laser"]), ReadIr(root["infrared"]), ReadRings(root["rings"]),
           ReadFaults(root["faults"]), ReadStereo(root["stereo"])};

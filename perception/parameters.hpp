@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "perception/fault_detector.hpp"
 #include "perception/ir_landmarks.hpp"
@@ -23,5 +24,8 @@ struct Parameters {
 /// Reads `perception.yaml`. Every key must be there and no other.
 /// @throws InputError
 [[nodiscard]] Parameters ReadParameters(const std::filesystem::path& file);
+/// The same from text; complaints name `name` as the file.
+[[nodiscard]] Parameters ParseParameters(const std::string& text,
+                                         const std::filesystem::path& name);
 
 }  // namespace kantaro::perception

@@ -1,5 +1,6 @@
 #include "robot/readings.hpp"
 
+#include <cmath>
 #include <stdexcept>
 
 namespace kantaro::robot {
@@ -44,6 +45,13 @@ const char* ToString(Sensor sensor) {
       return "battery";
   }
   throw std::invalid_argument("no such sensor");
+}
+
+void CheckCommand(const Command& command) {
+  if (!std::isfinite(command.left_rad_s) || !std::isfinite(command.right_rad_s))
+    throw std::invalid_argument("a wheel speed is no number");
+  if (!(command.lights >= 0.0 && command.lights <= 1.0))
+    throw std::invalid_argument("lights must be 0 to 1");
 }
 
 }  // namespace kantaro::robot

@@ -131,4 +131,7 @@ struct Command {
   double lights{1.0};  ///< LED brightness, 0 to 1
 };
 
+/// @throws std::invalid_argument for a speed that is not finite, or lights outside 0 to 1.
+void CheckCommand(const Command& command);
+
 }  // namespace kantaro::robot

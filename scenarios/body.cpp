@@ -7,6 +7,7 @@
 
 #include "base/input_error.hpp"
 #include "robot/device/device.hpp"
+#include "robot/recording/replay.hpp"
 #include "scenarios/twin_conditions.hpp"
 
 namespace kantaro::scenarios {
@@ -32,7 +33,13 @@ struct FileBackEnd {
   const char* file;  ///< what it is, for the usage
   std::unique_ptr<robot::Hardware> (*open)(const std::filesystem::path&, const robot::Description&);
 };
-const std::vector<FileBackEnd> kFileBackEnds{{"device", "CONFIG", &robot::OpenDevice}};
+const std::vector<FileBackEnd> kFileBackEnds{
+    {"replay", "RECORDING",
+     [](const std::filesystem::path& file,
+        const robot::Description&) -> std::unique_ptr<robot::Hardware> {
+       return std::make_unique<robot::Replay>(robot::Recording(file));
+     }},
+    {"device", "CONFIG", &robot::OpenDevice}};
 
 }  // namespace
 

@@ -11,6 +11,7 @@
 #include "base/input_error.hpp"
 #include "network/formats.hpp"
 #include "scenarios/experiments/experiment.hpp"
+#include "scenarios/replay.hpp"
 #include "scenarios/result.hpp"
 #include "scenarios/runner.hpp"
 #include "scenarios/suite.hpp"
@@ -90,7 +91,8 @@ Result RunOne(const Scenario& scenario, const RunRequest& request,
   };
   if (request.record) options.recording = RecordingOf(folder);
   const MissionRun run = RunMission(scenario, seed, options);
-  WriteRun(folder, scenario, run, options.recording);
+  WriteFolder(folder, FilesOf(run),
+              options.recording ? MovedFiles{{"recording.bag", *options.recording}} : MovedFiles{});
   return run.result;
 }
 
@@ -153,6 +155,19 @@ int Run(const RunRequest& request, std::ostream& out) {
   }
   if (request.json) out << (results.size() == 1 ? results.front() : results).dump(2) << '\n';
   return passed ? kExitPassed : kExitFailed;
+}
+
+int Replay(const ReplayRequest& request, std::ostream& out) {
+  if (request.out) CheckFolder(*request.out, "result.json");
+  const ReplayResult result = ReplayRecording(request.recording, request.robot_folder);
+  const std::string json = ToJson(result).dump(2) + "\n";
+  if (request.out) {
+    FolderFiles files = FilesOf(result.run);
+    files.emplace_back("replay.json", json);
+    WriteFolder(*request.out, files);
+  }
+  out << (request.json ? json : ToText(result));
+  return result.same() || request.robot_folder ? kExitPassed : kExitFailed;
 }
 
 int Suite(const SuiteRequest& request, std::ostream& out) {

@@ -37,6 +37,16 @@ struct RunRequest {
 /// Runs each scenario once. With several, the JSON document is a list of results.
 int Run(const RunRequest& request, std::ostream& out);
 
+struct ReplayRequest {
+  std::filesystem::path recording;
+  std::optional<std::filesystem::path> robot_folder;  ///< absent: the recording's own files
+  std::optional<std::filesystem::path> out;           ///< folder for the report and `replay.json`
+  bool json{};
+};
+/// Plays a recording back to perception and navigation. With its own files everything is to come
+/// out to the bit, and if it does not the exit code is 1; with others it tells what differs.
+int Replay(const ReplayRequest& request, std::ostream& out);
+
 struct SuiteRequest {
   std::vector<std::filesystem::path> paths;
   std::uint64_t seeds{1};

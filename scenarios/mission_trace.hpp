@@ -13,6 +13,12 @@ namespace kantaro::scenarios {
 
 /// Interval at which truth and estimate are noted down.
 inline constexpr double kTracePeriod_s = 0.05;
+inline constexpr robot::RunTime kSamplePeriod(static_cast<robot::RunTime::rep>(kTracePeriod_s *
+                                                                               1e9));
+
+/// Kinds of events that are not the robot's own: what its hardware did, and the end of the run.
+inline constexpr const char* kHardwareEvent = "hardware";
+inline constexpr const char* kEndEvent = "end";
 
 /// A place on the way: in a pipe, or (pipe empty) in a manhole.
 struct Place {

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "robot/faults.hpp"
 #include "robot/recording/recorder.hpp"
 #include "scenarios/pilot.hpp"
+#include "scenarios/recorded_mission.hpp"
 #include "scenarios/report.hpp"
 #include "scenarios/trace_recorder.hpp"
 
@@ -20,12 +22,12 @@ namespace {
 constexpr double kAfterwards_s = 1.0;
 /// A hardware that refuses commands may take them again; after so long the mission is broken off.
 constexpr robot::RunTime kPatience = std::chrono::seconds(1);
-constexpr robot::RunTime kSamplePeriod(static_cast<robot::RunTime::rep>(kTracePeriod_s * 1e9));
 constexpr robot::RunTime kProgressPeriod = std::chrono::seconds(1);
 
 /// The robot's own loop, from reading to command, watched by the recorder.
 class Loop {
  public:
+  /// All must outlive this.
   Loop(const Scenario& scenario, const Conditions& conditions, const RunOptions& options)
       : scenario_(scenario),
         options_(options),
@@ -36,7 +38,10 @@ class Loop {
         hardware_(*body_.hardware, robot_.description, scenario.faults, conditions.seed),
         pilot_(scenario, conditions, robot_),
         recorder_(scenario, robot_.description) {
-    if (options.recording) recording_.emplace(*options.recording, robot_.description);
+    if (options.recording) {
+      recording_.emplace(*options.recording, MissionFilesOf(scenario, conditions.seed),
+                         robot_.description);
+    }
   }
 
   MissionTrace Run() {
@@ -59,9 +64,15 @@ class Loop {
       }
     }
     hardware_.Stop();
-    if (recording_) recording_->Close();
-    return recorder_.Finish(std::min(end_s, Now_s()), pilot_.executive(), ending);
+    MissionTrace trace = recorder_.Finish(std::min(end_s, Now_s()), pilot_.executive(), ending);
+    if (recording_) {
+      recording_->Write(robot::RecordedEvent{hardware_.Now(), kEndEvent, trace.ending});
+      recording_->Close();
+    }
+    return trace;
   }
+
+  [[nodiscard]] double laser_threshold_m() const { return robot_.perception.laser.threshold_m; }
 
  private:
   [[nodiscard]] double Now_s() const { return robot::Seconds(hardware_.Now()); }
@@ -81,15 +92,23 @@ class Loop {
     asked_at_ = hardware_.Now();
     if (outcome != robot::CommandOutcome::kRefused) taken_at_ = asked_at_;
     recorder_.Add(hardware_.Now(), *command, outcome, pilot_.executive());
-    if (recording_) Record(*command);
+    if (recording_) Record(*command, outcome);
   }
 
-  void Record(const robot::Command& command) {
+  void Record(const robot::Command& command, robot::CommandOutcome outcome) {
+    const robot::RunTime now = hardware_.Now();
     const navigation::Executive& executive = pilot_.executive();
     const navigation::Estimate estimate = executive.estimate();
-    recording_->Write(hardware_.Now(), command);
-    recording_->Write(hardware_.Now(), {executive.route().legs[estimate.leg].pipe,
-                                        estimate.distance_m, estimate.deviation_m});
+    recording_->Write(robot::RecordedCommand{now, command, outcome});
+    recording_->Write(robot::RecordedEstimate{
+        now, executive.route().legs[estimate.leg].pipe, static_cast<std::uint32_t>(estimate.leg),
+        estimate.distance_m, estimate.deviation_m, estimate.leg_length_m});
+    const std::vector<Event>& events = recorder_.events();
+    for (; recorded_events_ < events.size(); ++recorded_events_) {
+      const Event& event = events[recorded_events_];
+      const robot::RunTime at(std::llround(event.time_s * 1e9));
+      recording_->Write(robot::RecordedEvent{at, event.kind, event.text});
+    }
   }
 
   void Sample() {
@@ -112,6 +131,7 @@ class Loop {
   Pilot pilot_;
   TraceRecorder recorder_;
   std::optional<robot::Recorder> recording_;
+  std::size_t recorded_events_{};
   robot::RunTime asked_at_{};  ///< last command
   robot::RunTime taken_at_{};  ///< last command that was not refused
   robot::RunTime next_sample_{};
@@ -121,32 +141,30 @@ class Loop {
 }  // namespace
 
 MissionRun RunMission(const Scenario& whole, std::uint64_t seed, const RunOptions& options) {
-  const Scenario scenario = AroundItsRoute(whole);
   const auto began = std::chrono::steady_clock::now();
   MissionRun run;
-  run.conditions = DrawConditions(scenario, seed);
-  run.trace = Loop(scenario, run.conditions, options).Run();
+  run.scenario = AroundItsRoute(whole);
+  run.conditions = DrawConditions(run.scenario, seed);
+  Loop loop(run.scenario, run.conditions, options);
+  run.trace = loop.Run();
+  run.laser_threshold_m = loop.laser_threshold_m();
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - began;
-  run.result = {scenario.name,
+  run.result = {run.scenario.name,
                 seed,
-                Judge(scenario, run.trace),
+                Judge(run.scenario, run.trace),
                 {run.trace.estimate.back().time_s, wall.count()},
                 run.trace.sha256};
   return run;
 }
 
-void WriteRun(const std::filesystem::path& folder, const Scenario& whole, const MissionRun& run,
-              const std::optional<std::filesystem::path>& recording) {
-  const Scenario scenario = AroundItsRoute(whole);
-  const perception::Parameters parameters =
-      perception::ReadParameters(scenario.robot_folder / "perception.yaml");
+FolderFiles FilesOf(const MissionRun& run) {
   FolderFiles files{{"result.json", ToJson(run.result).dump(2) + "\n"},
-                    {"report.html", ReportHtml(scenario, run.conditions, run.trace, run.result,
-                                               {parameters.laser.threshold_m})}};
+                    {"report.html", ReportHtml(run.scenario, run.conditions, run.trace, run.result,
+                                               {run.laser_threshold_m})}};
   for (std::size_t i = 0; i < run.trace.frames.size(); ++i) {
     files.emplace_back(fmt::format("frame_{:02}.jpg", i + 1), run.trace.frames[i].jpeg);
   }
-  WriteFolder(folder, files, recording ? MovedFiles{{"recording.bag", *recording}} : MovedFiles{});
+  return files;
 }
 
 }  // namespace kantaro::scenarios

@@ -26,9 +26,11 @@ struct RunOptions {
 
 /// A mission that was run and judged.
 struct MissionRun {
+  Scenario scenario;  ///< as driven: cut to the surroundings of its route
   Conditions conditions;
   MissionTrace trace;
   Result result;
+  double laser_threshold_m{};  ///< of the robot's perception
 };
 
 /// Runs a mission: hardware, perception and executive in a loop until the robot stops, the time is
@@ -39,9 +41,7 @@ struct MissionRun {
 [[nodiscard]] MissionRun RunMission(const Scenario& scenario, std::uint64_t seed,
                                     const RunOptions& options);
 
-/// `result.json`, `report.html`, the camera frames and the recording, if there is one (it is
-/// moved), into the run folder as a whole.
-void WriteRun(const std::filesystem::path& folder, const Scenario& scenario, const MissionRun& run,
-              const std::optional<std::filesystem::path>& recording = {});
+/// `result.json`, `report.html` and the camera frames, for WriteFolder.
+[[nodiscard]] FolderFiles FilesOf(const MissionRun& run);
 
 }  // namespace kantaro::scenarios

@@ -117,7 +117,7 @@ void TraceRecorder::Count(robot::RunTime at, const robot::Loss& loss) {
 }
 
 void TraceRecorder::Note(robot::RunTime at, const std::string& text) {
-  trace_.events.push_back({robot::Seconds(at), "hardware", text});
+  trace_.events.push_back({robot::Seconds(at), kHardwareEvent, text});
 }
 
 void TraceRecorder::Add(const perception::Observation& observation,

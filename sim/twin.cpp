@@ -94,11 +94,7 @@ class Twin::Impl {
   }
 
   robot::CommandOutcome Apply(const robot::Command& command) {
-    if (!std::isfinite(command.left_rad_s) || !std::isfinite(command.right_rad_s)) {
-      throw std::invalid_argument("a wheel speed is no number");
-    }
-    if (!(command.lights >= 0.0 && command.lights <= 1.0))
-      throw std::invalid_argument("lights must be 0 to 1");
+    robot::CheckCommand(command);
     if (stopped_) return robot::CommandOutcome::kRefused;
     lights_ = command.lights;
     physics_.Drive(command.left_rad_s * (1.0 + conditions_.left_right_mismatch),

@@ -63,7 +63,7 @@ scenario good.yaml
 "$kantaro" network network.yaml >/dev/null || { echo "the good network is refused"; failures=1; }
 
 # Usage.
-refused "no command" "COMMAND: none is given; known are run, suite, network, generate, render, experiment"
+refused "no command" "COMMAND: none is given; known are run, replay, suite, network, generate, render, experiment"
 refused "unknown command" 'COMMAND: "fly" is not one; known are .*' fly
 refused "no scenario" ".*SCENARIO is required.*" run
 refused "unknown option" ".*--colour.*" run good.yaml --colour red
@@ -137,6 +137,21 @@ cp -r "$source/models/kantaro" robot
 sed -i '0,/width_px: 704/s//width_px: 0/' robot/cameras.yaml
 scenario bad.yaml '' robot
 refused "image size of 0" "robot/cameras.yaml:[0-9]+: .*width_px.*" run bad.yaml --out out
+
+# Recordings.
+refused "missing recording" "nowhere.bag: no such file" replay nowhere.bag --out out
+refused "text as a recording" "good.yaml: not a ROS 1 bag of format 2.0" replay good.yaml --out out
+: >empty.bag
+refused "empty recording" "empty.bag: the file is empty" replay empty.bag
+refused "recording as hardware that is none" "good.yaml: not a ROS 1 bag of format 2.0" run good.yaml --hardware replay:good.yaml --out out
+refused "hardware without a file" '--hardware: "replay:" is none of sim, replay:RECORDING.*' run good.yaml --hardware replay: --out out
+printf '#ROSBAG V2.0\n\377\377\377\377' >huge.bag
+refused "recording of a hostile size" "huge.bag: the file is cut off" replay huge.bag
+/usr/bin/python3 -c 'import rosbag, std_msgs.msg
+with rosbag.Bag("foreign.bag", "w") as bag: bag.write("/chatter", std_msgs.msg.String("hi"))
+with rosbag.Bag("packed.bag", "w", compression="bz2") as bag: bag.write("/chatter", std_msgs.msg.String("hi"))'
+refused "another robot's bag" "foreign.bag: not a recording of KANTARO: .*" replay foreign.bag
+refused "compressed bag" "packed.bag: is compressed: .rosbag decompress. makes it readable" replay packed.bag
 
 # A folder that is not ours stays as it is.
 mkdir precious && echo thesis >precious/chapter1.txt

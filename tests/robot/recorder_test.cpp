@@ -14,6 +14,7 @@
 
 #include "base/input_error.hpp"
 #include "base/random.hpp"
+#include "tests/robot/robot_files.hpp"
 
 namespace kantaro::robot {
 namespace {
@@ -47,12 +48,13 @@ class RecorderTest : public testing::Test {
 };
 
 TEST_F(RecorderTest, KeepsEveryNumberOfEveryReading) {
-  Recorder recorder(file_, description_);
+  Recorder recorder(file_, MissionOfShippedRobot(), description_);
   recorder.Write(At(0, 0, WheelEncoders{{0.1, -0.2, 1.0 / 3.0, 1e-9}}));
   recorder.Write(At(20, 21, InertialReading{{1.0 / 7.0, -2.0, 3.0}, {0.1, 0.2, 9.81}}));
   recorder.Write(At(30, 30, IrRanges{{0.1}, {0.25}, {2.0 / 3.0}}));
-  recorder.Write(milliseconds(31), Command{1.5, -2.5, 0.75});
-  recorder.Write(milliseconds(31), RecordedEstimate{"P1", 2.125, 0.5});
+  recorder.Write(RecordedCommand{milliseconds(31), {1.5, -2.5, 0.75}, CommandOutcome::kLimited});
+  recorder.Write(RecordedEstimate{milliseconds(31), "P1", 2, 2.125, 0.5, 4.0});
+  recorder.Write(RecordedEvent{milliseconds(31), "landmark", "inlet to the left"});
   recorder.Close();
 
   const nlohmann::json bag = ReadBack(file_);
@@ -67,9 +69,14 @@ TEST_F(RecorderTest, KeepsEveryNumberOfEveryReading) {
   EXPECT_EQ(bag["/infrared"]["last"]["right"], 2.0 / 3.0);
   EXPECT_EQ(bag["/command"]["last"]["right_rad_s"], -2.5);
   EXPECT_EQ(bag["/command"]["last"]["lights"], 0.75);
+  EXPECT_EQ(bag["/command"]["last"]["outcome"], 1);
   EXPECT_EQ(bag["/estimate"]["last"]["header"]["frame_id"], "P1");
   EXPECT_EQ(bag["/estimate"]["last"]["pose"]["pose"]["position"]["x"], 2.125);
   EXPECT_EQ(bag["/estimate"]["last"]["pose"]["covariance"][0], 0.25);
+  EXPECT_EQ(bag["/estimate/leg"]["last"]["leg"], 2);
+  EXPECT_EQ(bag["/estimate/leg"]["last"]["leg_length_m"], 4.0);
+  EXPECT_EQ(bag["/event"]["last"]["text"], "inlet to the left");
+  EXPECT_EQ(bag["/mission"]["count"], 3);
 }
 
 TEST_F(RecorderTest, WritesTheLaserAsAScanWithInfiniteRangesOutsideItsReach) {
@@ -78,10 +85,13 @@ TEST_F(RecorderTest, WritesTheLaserAsAScanWithInfiniteRangesOutsideItsReach) {
                         {1.5707963267948966, 0.19, RangeStatus::kTooFar},
                         {3.141592653589793, 0.07, RangeStatus::kTooNear},
                         {4.71238898038469, static_cast<double>(0.1F), RangeStatus::kValid}};
-  Recorder recorder(file_, description_);
+  Recorder recorder(file_, MissionOfShippedRobot(), description_);
   recorder.Write(At(33, 38, revolution));
   recorder.Close();
-  const nlohmann::json scan = ReadBack(file_)["/laser/scan"]["last"];
+  const nlohmann::json bag = ReadBack(file_);
+  const nlohmann::json scan = bag["/laser/scan"]["last"];
+  EXPECT_EQ(bag["/laser/samples"]["last"]["angle_rad"][1], 1.5707963267948966);
+  EXPECT_EQ(bag["/laser/samples"]["last"]["range_m"][1], 0.19);
   EXPECT_EQ(scan["ranges"][0], static_cast<double>(0.125F));
   EXPECT_EQ(scan["ranges"][1], "inf");
   EXPECT_EQ(scan["ranges"][2], "-inf");
@@ -94,7 +104,7 @@ TEST_F(RecorderTest, WritesTheLaserAsAScanWithInfiniteRangesOutsideItsReach) {
 TEST_F(RecorderTest, GivesEachImageItsCamera) {
   const cv::Mat front(480, 704, CV_8UC3, cv::Scalar(1, 2, 3));
   const cv::Mat eye(480, 640, CV_8UC3, cv::Scalar(4, 5, 6));
-  Recorder recorder(file_, description_);
+  Recorder recorder(file_, MissionOfShippedRobot(), description_);
   recorder.Write(At(200, 260, FrontImage{front}));
   recorder.Write(At(200, 260, StereoPair{eye, eye}));
   recorder.Close();
@@ -114,8 +124,8 @@ TEST_F(RecorderTest, GivesEachImageItsCamera) {
 
 TEST_F(RecorderTest, TakesItsNameOnlyWhenItIsWhole) {
   {
-    Recorder recorder(file_, description_);
-    recorder.Write(milliseconds(1), Command{});
+    Recorder recorder(file_, MissionOfShippedRobot(), description_);
+    recorder.Write(RecordedCommand{milliseconds(1), {}, {}});
     EXPECT_FALSE(std::filesystem::exists(file_));
   }
   EXPECT_FALSE(std::filesystem::exists(file_)) << "it was never closed";
@@ -123,7 +133,8 @@ TEST_F(RecorderTest, TakesItsNameOnlyWhenItIsWhole) {
 }
 
 TEST_F(RecorderTest, SaysWhereItCannotWrite) {
-  EXPECT_THROW(Recorder(folder_ / "nowhere" / "run.bag", description_), InputError);
+  EXPECT_THROW(Recorder(folder_ / "nowhere" / "run.bag", MissionOfShippedRobot(), description_),
+               InputError);
 }
 
 // The child tells the time of each message it has handed over; half a second of run time may be
@@ -135,7 +146,7 @@ TEST_F(RecorderTest, LosesLessThanASecondWhenTheProcessIsKilled) {
     ASSERT_EQ(pipe(told), 0);
     const pid_t child = fork();
     if (child == 0) {
-      Recorder recorder(file_, description_);
+      Recorder recorder(file_, MissionOfShippedRobot(), description_);
       for (std::int64_t ms = 0;; ms += 20) {
         recorder.Write(At(static_cast<int>(ms), static_cast<int>(ms), WheelEncoders{}));
         if (write(told[1], &ms, sizeof ms) != sizeof ms) _exit(1);

@@ -9,12 +9,21 @@
 #include "base/files.hpp"
 #include "base/input_error.hpp"
 #include "robot/description.hpp"
+#include "robot/recording/records.hpp"
 
 namespace kantaro::robot {
 
 inline std::filesystem::path ModelFolder() { return KANTARO_SOURCE_DIR "/models/kantaro"; }
 
 inline SourceText Shipped(const char* name) { return {name, ReadInputFile(ModelFolder() / name)}; }
+
+/// What a recording needs to be read back.
+inline MissionFiles MissionOfShippedRobot() {
+  MissionFiles files;
+  for (const char* name : {kUrdfFile, kCompanionFile, kCamerasFile})
+    files[name] = Shipped(name).text;
+  return files;
+}
 
 /// The shipped robot, to be spoilt by a test.
 struct Files {
