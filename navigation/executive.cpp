@@ -8,20 +8,23 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "perception/attitude.hpp"
+
 namespace kantaro::navigation {
 namespace {
 
 using perception::LaserWindow;
 using robot::RunTime;
 using robot::Seconds;
+using robot::Sensor;
 
-constexpr RunTime kTravelMemory = std::chrono::seconds(2);
-/// A mouth is believed once it came nearer as the robot did over so many images, 0.1 m of way.
-constexpr std::size_t kMouthSightings = 5;
 /// The robot stands in its goal once the laser is so far inside.
 constexpr double kArrivalMargin_m = 0.02;
-/// An inlet is passed within so much; a window open for longer belongs to a junction.
-constexpr double kLongestInlet_m = 0.35;
+/// The laser sees that it has left a manhole within so much.
+constexpr double kLeavingMargin_m = 0.05;
+/// Between the wall of a shaft and the laser, at the rear, as far inside as the robot may go: its
+/// front would touch the far wall.
+constexpr double kBehindFarWall_m = 0.45;
 
 double Clamp(double value, double limit) { return std::clamp(value, -limit, limit); }
 
@@ -52,7 +55,8 @@ Executive::Executive(MapRoute route, double start_distance_m, const RobotGeometr
       parameters_(parameters),
       localiser_(route_.legs.empty() ? throw std::invalid_argument("a route needs at least one leg")
                                      : route_.legs.front(),
-                 start_distance_m, parameters) {}
+                 start_distance_m, parameters),
+      wheels_(parameters.wheel_window_s, parameters.least_wheel_share) {}
 
 Estimate Executive::estimate() const {
   return {leg_, localiser_.distance_m(), localiser_.deviation_m(), localiser_.length_m()};
@@ -67,167 +71,13 @@ robot::Command Executive::Step(const perception::Observation& observation) {
         See(seen);
       },
       observation);
+  if (!finished()) CheckSensors();
   if (!finished()) Decide();
   const Drive drive = Act();
+  wheels_.Tell(drive.speed_m_s);
   const double wheel_rad_s = drive.speed_m_s / geometry_.tyre_radius_m;
   return {wheel_rad_s * (1.0 - drive.steer), wheel_rad_s * (1.0 + drive.steer), 1.0};
 }
-
-// ---- what the sensors say ----
-
-void Executive::See(const perception::OdometryObservation& odometry) {
-  if (!travel_.empty()) {
-    const double rolled_m = odometry.travel_m - travel_.back().second;
-    localiser_.Advance(phase_ == Phase::kTurning ? ProgressInTurn_m() : rolled_m);
-  }
-  travel_.emplace_back(odometry.captured_at, odometry.travel_m);
-  while (travel_.front().first + kTravelMemory < odometry.captured_at) travel_.pop_front();
-}
-
-double Executive::ProgressInTurn_m() const {
-  const double way_m = geometry_.front_axle_x_m + parameters_.turn_lead_m +
-                       Leg().channel_radius_m * std::abs(Leg().turn_rad);
-  const double share = std::clamp(heading_rad_ / Leg().turn_rad, 0.0, 1.0);
-  return std::max(0.0, turn_began_m_ + share * way_m - localiser_.distance_m()) /
-         localiser_.scale();
-}
-
-void Executive::See(const perception::AttitudeObservation& attitude) {
-  if (attitude_)
-    heading_rad_ +=
-        attitude.yaw_rate_rad_s * Seconds(attitude.captured_at - attitude_->captured_at);
-  attitude_ = attitude;
-}
-
-void Executive::See(const perception::LaserObservation& laser) {
-  laser_heard_ = laser.captured_at;
-  // The top first: whether a side belongs to a junction depends on it.
-  for (const perception::WindowEdge& edge : laser.edges) {
-    if (edge.window == LaserWindow::kTop) SeeTop(edge);
-  }
-  for (const perception::WindowEdge& edge : laser.edges) {
-    if (edge.window != LaserWindow::kTop) SeeSide(edge);
-  }
-}
-
-void Executive::SeeTop(const perception::WindowEdge& edge) {
-  const double since_m = TravelSince(edge.at);
-  top_open_ = edge.open;
-  if (edge.open) {
-    SeeEndWall(geometry_.laser_x_m, since_m, "laser");
-  } else if (localiser_.SeeStartWall(-geometry_.laser_x_m + since_m, parameters_.wall_error_m)) {
-    Report(Event::Kind::kLandmark, fmt::format("laser: entered pipe {}", Leg().pipe));
-  } else if (!TurnsHere() && !OnLastLeg() && end_wall_seen_ &&
-             geometry_.laser_x_m - since_m - localiser_.to_end_m() > Leg().end_shaft_radius_m) {
-    // Straight across: the top closes where the next pipe begins. Short of the middle it has only
-    // flickered.
-    BeginNextLeg(-geometry_.laser_x_m + since_m, parameters_.wall_error_m);
-    Report(Event::Kind::kLandmark, fmt::format("laser: entered pipe {}", Leg().pipe));
-  }
-}
-
-void Executive::SeeSide(const perception::WindowEdge& edge) {
-  const double since_m = TravelSince(edge.at);
-  const bool left = edge.window == LaserWindow::kLeft;
-  auto& opened = left ? side_opened_left_ : side_opened_right_;
-  if (edge.open) {
-    opened = WheelTravelAt(edge.at);
-    // Before the end wall was passed an open top is that of the manhole where the leg began.
-    if (top_open_ && end_wall_seen_) {
-      Report(Event::Kind::kLandmark,
-             fmt::format("laser: junction to the {}", left ? "left" : "right"));
-      if (TurnsHere() && left == (Leg().turn_rad > 0.0)) junction_seen_ = true;
-    }
-  } else if (opened) {
-    // The middle of the opening passed the laser halfway between its edges.
-    const double width_m = localiser_.scale() * (WheelTravelAt(edge.at) - *opened);
-    if (!top_open_ && width_m < kLongestInlet_m) SeeInlet(left, since_m + 0.5 * width_m);
-    opened.reset();
-  }
-}
-
-void Executive::SeeInlet(bool left, double passed_m) {
-  const LandmarkKind kind = left ? LandmarkKind::kInletLeft : LandmarkKind::kInletRight;
-  for (const MapLandmark& landmark : Leg().landmarks) {
-    if (landmark.kind == kind &&
-        localiser_.SeeLandmark(landmark.distance_m, geometry_.laser_x_m - passed_m,
-                               parameters_.inlet_error_m)) {
-      Report(Event::Kind::kLandmark,
-             fmt::format("laser: inlet on the {}", left ? "left" : "right"));
-      return;
-    }
-  }
-}
-
-void Executive::See(const perception::IrObservation& infrared) {
-  infrared_heard_ = infrared.captured_at;
-  if (infrared.manhole && !infrared_up_) {
-    SeeEndWall(geometry_.infrared_x_m, TravelSince(infrared.captured_at), "IR");
-  }
-  infrared_up_ = infrared.manhole;
-  // The laser, where there is one, decides about junctions (thesis 5.6), unless the robot meets the
-  // far wall before the laser at its rear can reach them.
-  const bool side = Leg().turn_rad > 0.0 ? infrared.junction_left : infrared.junction_right;
-  const bool decides = Silent(laser_heard_) || !Leg().straight_on;
-  if (TurnsHere() && end_wall_seen_ && infrared.manhole && side && decides) junction_seen_ = true;
-}
-
-void Executive::SeeEndWall(double sensor_x_m, double travelled_since_m, const char* sensor) {
-  if (phase_ == Phase::kTurning || phase_ == Phase::kBackingUp) return;
-  if (!localiser_.SeeEndWall(sensor_x_m - travelled_since_m, parameters_.wall_error_m)) return;
-  if (!end_wall_seen_) heading_rad_ = 0.0;
-  end_wall_seen_ = true;
-  Report(Event::Kind::kLandmark, fmt::format("{}: manhole {}", sensor, Leg().end_manhole));
-}
-
-void Executive::See(const perception::RingObservation& rings) {
-  if (phase_ != Phase::kDriving || travel_.empty()) return;
-  const double since_m = TravelSince(rings.captured_at);
-  for (const ScaleSighting& scale : rings_.Follow(rings.rings, WheelTravelAt(rings.captured_at))) {
-    localiser_.SeeScale(scale.scale, scale.deviation);
-  }
-  for (const perception::RingSighting& ring : rings.rings) {
-    const double ahead_m = geometry_.camera_x_m + ring.distance_m - since_m;
-    // The images of one ring err alike: many of them tell no more than one does, or a wall that
-    // laser and IR touch would no longer be believed against the camera.
-    const double error_m =
-        parameters_.ring_error_m * std::max(1.0, ring.distance_m * ring.distance_m);
-    if (ring.kind == perception::RingKind::kManholeMouth) {
-      if (!end_wall_seen_ && !mouths_deceive_ && rings_.TimesSeen(ring) >= kMouthSightings &&
-          localiser_.to_end_deviation_m() > error_m) {
-        mouth_believed_ = localiser_.SeeEndWall(ahead_m, error_m) || mouth_believed_;
-      }
-      continue;
-    }
-    if (const MapLandmark* joint = JointAt(localiser_.distance_m() + ahead_m)) {
-      if (localiser_.to_landmark_deviation_m(joint->distance_m) > error_m) {
-        localiser_.SeeLandmark(joint->distance_m, ahead_m, error_m);
-      }
-    }
-  }
-}
-
-const MapLandmark* Executive::JointAt(double distance_m) const {
-  const MapLandmark* nearest = nullptr;
-  double least_m = std::numeric_limits<double>::infinity();
-  double second_m = least_m;
-  for (const MapLandmark& landmark : Leg().landmarks) {
-    if (landmark.kind != LandmarkKind::kJoint) continue;
-    const double expected_m = landmark.distance_m / Leg().length_m * localiser_.length_m();
-    const double error_m = std::abs(distance_m - expected_m);
-    second_m = std::min(second_m, std::max(error_m, least_m));
-    if (error_m >= least_m) continue;
-    least_m = error_m;
-    nearest = &landmark;
-  }
-  if (nearest == nullptr) return nullptr;
-  // One joint looks like the next: beyond half their spacing it could be either.
-  const double half_spacing_m = 0.5 * (least_m + second_m);
-  const double deviation_m = localiser_.to_landmark_deviation_m(nearest->distance_m);
-  return Gate(deviation_m) < half_spacing_m ? nearest : nullptr;
-}
-
-// ---- what follows from it ----
 
 bool Executive::IsJunction() const {
   return Leg().end_kind != network::ManholeKind::kCurve &&
@@ -250,11 +100,27 @@ double Executive::TravelSince(RunTime time) const {
   return travel_.empty() ? 0.0 : localiser_.scale() * (travel_.back().second - WheelTravelAt(time));
 }
 
-bool Executive::Silent(const std::optional<RunTime>& heard) const {
-  return Seconds(now_ - heard.value_or(RunTime{})) > parameters_.silence_s;
+bool Executive::Silent(Sensor sensor) const {
+  const auto& open_since_m =
+      sensor == Sensor::kLaser ? laser_open_since_m_ : infrared_open_since_m_;
+  const bool sees_nothing = open_since_m && std::abs(travel_.back().second - *open_since_m) >
+                                                parameters_.longest_opening_m;
+  return sees_nothing || health_.Silent(sensor, now_, parameters_.silence_s);
 }
 
-bool Executive::Blind() const { return Silent(laser_heard_) && Silent(infrared_heard_); }
+bool Executive::Blind() const { return Silent(Sensor::kLaser) && Silent(Sensor::kInfrared); }
+
+bool Executive::GyroFit() const {
+  return !health_.Silent(Sensor::kInertial, now_, parameters_.gyro_silence_s) &&
+         std::abs(yaw_bias_.rad_s()) <= parameters_.gyro_bias_rad_s;
+}
+
+bool Executive::CertainOfEndWall() const {
+  if (!uncertain_wall_ || travel_.empty()) return true;
+  const double longest_m =
+      std::min(parameters_.longest_inlet_m, 2.0 * Leg().end_shaft_radius_m - kBehindFarWall_m);
+  return localiser_.scale() * (travel_.back().second - uncertain_wall_->wheel_travel_m) > longest_m;
+}
 
 void Executive::Report(Event::Kind kind, const std::string& text) {
   events_.push_back({now_, kind, text});
@@ -273,8 +139,19 @@ void Executive::BeginNextLeg(double distance_m, double deviation_m) {
   localiser_.Begin(Leg(), distance_m, deviation_m);
   rings_.Forget();
   end_wall_seen_ = junction_seen_ = mouth_believed_ = mouths_deceive_ = false;
+  uncertain_wall_.reset();
   side_opened_left_.reset();
   side_opened_right_.reset();
+}
+
+void Executive::CheckSensors() {
+  if (health_.PowerLost()) {
+    Enter(Phase::kFailed, "the power has failed");
+  } else if (health_.Silent(Sensor::kEncoders, now_, parameters_.wheel_silence_s)) {
+    Enter(Phase::kFailed, "no word from the encoders: it does not know how far it drives");
+  } else if (phase_ == Phase::kTurning && !GyroFit()) {
+    Enter(Phase::kFailed, "no word from the gyro in a turn");
+  }
 }
 
 void Executive::Decide() {
@@ -283,7 +160,7 @@ void Executive::Decide() {
       DecideDriving();
       break;
     case Phase::kBackingUp:
-      if (localiser_.distance_m() <= TurnStart_m()) Steer();
+      DecideBackingUp();
       break;
     case Phase::kTurning:
       DecideTurning();
@@ -305,7 +182,7 @@ void Executive::DecideDriving() {
       LookForEndWallAgain();
     }
   } else if (OnLastLeg()) {
-    if (beyond_m > -geometry_.laser_x_m + kArrivalMargin_m) {
+    if (beyond_m > -geometry_.laser_x_m + kArrivalMargin_m && CertainOfEndWall()) {
       Enter(Phase::kArrived, fmt::format("reached manhole {}", Leg().end_manhole));
     }
   } else if (!TurnsHere()) {
@@ -319,6 +196,19 @@ void Executive::DecideDriving() {
     BeginTurn();
   } else if (beyond_m > 2.0 * Leg().end_shaft_radius_m) {
     Enter(Phase::kFailed, fmt::format("no junction was found in manhole {}", Leg().end_manhole));
+  }
+}
+
+void Executive::DecideBackingUp() {
+  const double short_m = localiser_.distance_m() - TurnStart_m();
+  if (short_m > 0.0) return;
+  const bool should_be_out =
+      TurnStart_m() + geometry_.laser_x_m < localiser_.length_m() - kLeavingMargin_m;
+  if (!should_be_out || !top_open_ || Silent(Sensor::kLaser)) return Steer();
+  if (short_m < -parameters_.spinning_m) {
+    Enter(Phase::kFailed,
+          fmt::format("backing up in manhole {}, the wheels spin: the laser is still inside",
+                      Leg().end_manhole));
   }
 }
 
@@ -336,6 +226,7 @@ void Executive::LookForEndWallAgain() {
 void Executive::BeginTurn() {
   const double back_m = localiser_.distance_m() - TurnStart_m();
   if (back_m > Gate(parameters_.wall_error_m)) {
+    rolled_before_backing_m_ = travel_.empty() ? 0.0 : travel_.back().second;
     Enter(Phase::kBackingUp,
           fmt::format("{} manhole {}: back up by {:.2f} m",
                       junction_seen_ ? "junction confirmed in" : "past the bend in",
@@ -346,6 +237,10 @@ void Executive::BeginTurn() {
 }
 
 void Executive::Steer() {
+  if (!GyroFit()) {
+    return Enter(Phase::kFailed,
+                 fmt::format("it cannot turn in manhole {} without a gyro", Leg().end_manhole));
+  }
   heading_rad_ = 0.0;
   turn_began_m_ = localiser_.distance_m();
   rolled_before_turn_m_ = travel_.empty() ? 0.0 : travel_.back().second;
@@ -370,8 +265,14 @@ void Executive::DecideTurning() {
 }
 
 Executive::Drive Executive::Act() const {
-  const double roll = attitude_ ? attitude_->roll_rad : 0.0;
-  const double roll_rate = attitude_ ? attitude_->roll_rate_rad_s : 0.0;
+  const bool gyro =
+      attitude_ && !health_.Silent(Sensor::kInertial, now_, parameters_.gyro_silence_s);
+  const bool pendulum =
+      inclined_rad_ && !health_.Silent(Sensor::kInclinometer, now_, parameters_.gyro_silence_s);
+  // A rate that is off shifts the filter's roll by as much as it turns in its time constant.
+  const double shift_rad = roll_bias_.rad_s() * perception::AttitudeFilter::kTimeConstant_s;
+  const double roll = gyro ? attitude_->roll_rad - shift_rad : pendulum ? *inclined_rad_ : 0.0;
+  const double roll_rate = gyro ? attitude_->roll_rate_rad_s - roll_bias_.rad_s() : 0.0;
   // Steering downhill brings the robot back to the invert; the rate term keeps it from swinging.
   const double upright =
       Clamp(-parameters_.upright_gain * roll - parameters_.upright_damping_s * roll_rate, 0.5);
@@ -382,7 +283,8 @@ Executive::Drive Executive::Act() const {
           !end_wall_seen_ && (TurnsHere() || OnLastLeg()) && localiser_.to_end_m() < margin_m;
       const bool inside = end_wall_seen_ && localiser_.to_end_m() < 0.1;
       // Across a manhole there is no round wall to lean on: hold the heading of its entry.
-      const double steer = inside ? Clamp(-parameters_.heading_gain * heading_rad_, 0.5) : upright;
+      const double hold = GyroFit() ? Clamp(-parameters_.heading_gain * heading_rad_, 0.5) : 0.0;
+      const double steer = inside ? hold : upright;
       return {near || (inside && (TurnsHere() || OnLastLeg())) ? parameters_.approach_m_s
                                                                : parameters_.cruise_m_s,
               steer};

@@ -8,7 +8,10 @@
 #include "navigation/localiser.hpp"
 #include "navigation/map.hpp"
 #include "navigation/parameters.hpp"
+#include "navigation/rate_bias.hpp"
 #include "navigation/ring_tracker.hpp"
+#include "navigation/sensor_health.hpp"
+#include "navigation/wheel_watch.hpp"
 #include "perception/observations.hpp"
 #include "robot/readings.hpp"
 
@@ -48,6 +51,11 @@ struct Event {
 ///
 /// It makes a turn only where laser or IR confirms the manhole. With both silent nothing can; then
 /// it trusts wheels and map and acts at the map's distances.
+///
+/// Sensors fail. Without encoders, or with encoders that do not do as the wheels are told, it
+/// stops. It turns only with a gyro, whose bias it learns along the pipes; the inclinometer stands
+/// in for its roll. Laser, IR and camera may go: what hangs, comes too late or sees no crown for
+/// longer than any manhole is wide is not believed. Where it stops, it says why.
 class Executive {
  public:
   /// @param start_distance_m  of the base's origin from the start manhole's wall along the first
@@ -84,16 +92,27 @@ class Executive {
   void See(const perception::RingObservation& rings);
   void See(const perception::FaultObservation&) {}
   void See(const perception::AttitudeObservation& attitude);
+  void See(const perception::InclinationObservation& inclination);
+  void See(const perception::BatteryObservation& battery);
+  void See(const perception::LossObservation& loss);
 
   void SeeTop(const perception::WindowEdge& edge);
   void SeeSide(const perception::WindowEdge& edge);
-  void SeeEndWall(double sensor_x_m, double travelled_since_m, const char* sensor);
+  void SeeEndWall(double sensor_x_m, double travelled_since_m, robot::Sensor sensor);
+  /// The crown is back behind an opening as long as an inlet: the end wall was none. @returns
+  /// whether that is so
+  bool TakeBackEndWall(robot::Sensor sensor);
+  /// Keeps account of how long a sensor has seen no crown.
+  void WatchOpening(robot::Sensor sensor, bool open);
   /// The mapped joint at a distance of the leg; null where the next one may as well be meant.
   [[nodiscard]] const MapLandmark* JointAt(double distance_m) const;
   void SeeInlet(bool left, double passed_m);
 
+  /// Fails where it cannot go on.
+  void CheckSensors();
   void Decide();
   void DecideDriving();
+  void DecideBackingUp();
   void DecideTurning();
   /// Steers into the channel at its bend's start, and goes back there first if that lies behind.
   void BeginTurn();
@@ -121,7 +140,14 @@ class Executive {
   [[nodiscard]] double ProgressInTurn_m() const;
   /// Wheel travel since an earlier time, times the learned scale.
   [[nodiscard]] double TravelSince(robot::RunTime time) const;
-  [[nodiscard]] bool Silent(const std::optional<robot::RunTime>& heard) const;
+  /// No word from laser or IR that could be believed.
+  [[nodiscard]] bool Silent(robot::Sensor sensor) const;
+  [[nodiscard]] bool Stale(robot::RunTime captured_at) const {
+    return robot::Seconds(now_ - captured_at) > parameters_.stale_s;
+  }
+  [[nodiscard]] bool GyroFit() const;
+  /// The end wall has been seen by two, or the opening is too long for an inlet.
+  [[nodiscard]] bool CertainOfEndWall() const;
   /// No sensor that could confirm a landmark is left.
   [[nodiscard]] bool Blind() const;
   [[nodiscard]] double Gate(double deviation_m) const {
@@ -137,7 +163,19 @@ class Executive {
   RingTracker rings_;
   Phase phase_{Phase::kDriving};
   robot::RunTime now_{};
-  std::optional<robot::RunTime> laser_heard_, infrared_heard_;
+  SensorHealth health_;
+  WheelWatch wheels_;
+  RateBias yaw_bias_, roll_bias_;
+  std::optional<double> inclined_rad_;  ///< roll by the inclinometer
+  /// Wheel travel at which laser and IR lost the crown; no value while they see it.
+  std::optional<double> laser_open_since_m_, infrared_open_since_m_;
+  /// Before the first sensor told of the end wall, to be taken back.
+  struct UncertainWall {
+    Localiser before;
+    double wheel_travel_m{};
+    robot::Sensor sensor{};
+  };
+  std::optional<UncertainWall> uncertain_wall_;
   std::deque<std::pair<robot::RunTime, double>>
       travel_;  ///< of the last two seconds: (time, wheel travel)
   std::optional<perception::AttitudeObservation> attitude_;
@@ -154,6 +192,7 @@ class Executive {
                            ///< was entered
   double turn_began_m_{};  ///< distance at which the turn began
   double rolled_before_turn_m_{};  ///< wheel travel then
+  double rolled_before_backing_m_{};
   std::vector<Event> events_;
 };
 

@@ -30,6 +30,9 @@ class Localiser {
   /// True travel per wheel travel was measured.
   void SeeScale(double scale, double deviation);
 
+  /// The distance may be off by so much more [m], as after wheels that may have spun.
+  void Doubt(double deviation_m) { P_(0, 0) += deviation_m * deviation_m; }
+
   /// What was learned of the leg's length was wrong: back to the map's, as unsure as at first.
   void ForgetLength();
 

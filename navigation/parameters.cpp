@@ -29,7 +29,7 @@ Parameters ReadParameters(const std::filesystem::path& file) {
 Parameters ParseParameters(const std::string& text, const std::filesystem::path& name) {
   const YamlNode root = YamlNode::Parse(text, name);
   root.AllowOnly({"speeds", "approach_distance_m", "gate_deviations", "turn", "steering", "errors",
-                  "silence_s"});
+                  "silence_s", "health"});
   const YamlNode speeds = root["speeds"];
   speeds.AllowOnly({"cruise_m_s", "approach_m_s", "reverse_m_s", "turn_m_s"});
   const YamlNode turn = root["turn"];
@@ -63,6 +63,21 @@ Parameters ParseParameters(const std::string& text, const std::filesystem::path&
   p.inlet_error_m = errors["inlet_m"].Number(0.001, 1.0);
   p.ring_error_m = errors["ring_m"].Number(0.001, 1.0);
   p.silence_s = root["silence_s"].Number(0.1, 60.0);
+  const YamlNode health = root["health"];
+  health.AllowOnly({"wheel_silence_s", "gyro_silence_s", "stale_s", "wheel_window_s",
+                    "least_wheel_share", "gyro_bias_deg_s", "longest_inlet_m", "longest_opening_m",
+                    "reverse_slip", "spinning_m", "battery_reserve"});
+  p.wheel_silence_s = health["wheel_silence_s"].Number(0.05, 10.0);
+  p.gyro_silence_s = health["gyro_silence_s"].Number(0.05, 10.0);
+  p.stale_s = health["stale_s"].Number(0.05, kTravelMemory_s);
+  p.wheel_window_s = health["wheel_window_s"].Number(0.5, 60.0);
+  p.least_wheel_share = health["least_wheel_share"].Number(0.0, 0.9);
+  p.gyro_bias_rad_s = health["gyro_bias_deg_s"].Number(0.0, 90.0) * std::numbers::pi / 180.0;
+  p.longest_inlet_m = health["longest_inlet_m"].Number(0.0, 1.0);
+  p.longest_opening_m = health["longest_opening_m"].Number(0.5, 100.0);
+  p.reverse_slip = health["reverse_slip"].Number(0.0, 1.0);
+  p.spinning_m = health["spinning_m"].Number(0.0, 5.0);
+  p.battery_reserve = health["battery_reserve"].Number(0.0, 1.0);
   return p;
 }
 

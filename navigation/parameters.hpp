@@ -18,6 +18,9 @@ struct RobotGeometry {
   [[nodiscard]] static RobotGeometry Of(const robot::Description& description);
 };
 
+/// The executive remembers the wheels' travel of so long.
+inline constexpr double kTravelMemory_s = 2.0;
+
 /// models/kantaro/navigation.yaml: what each number is for stands there.
 struct Parameters {
   double cruise_m_s{}, approach_m_s{}, reverse_m_s{}, turn_m_s{};
@@ -39,6 +42,17 @@ struct Parameters {
   double inlet_error_m{};
   double ring_error_m{};  ///< of a ring's distance in the camera, at 1 m; grows with the distance
   double silence_s{};     ///< a sensor that says nothing for so long is taken as lost
+  double wheel_silence_s{};    ///< encoders; without them the robot stops
+  double gyro_silence_s{};     ///< without a gyro it does not turn
+  double stale_s{};            ///< what laser, IR or camera saw longer ago is not used
+  double wheel_window_s{};     ///< encoders are compared with the command over so long
+  double least_wheel_share{};  ///< of the way told
+  double gyro_bias_rad_s{};    ///< a gyro that is off by more is not believed
+  double longest_inlet_m{};    ///< an opening that closes again within so much is no manhole's
+  double longest_opening_m{};  ///< a sensor to which the crown is gone for longer is not believed
+  double reverse_slip{};       ///< share of the way back that may be the wheels' spinning
+  double spinning_m{};         ///< backing up: how much farther than it should take, at most
+  double battery_reserve{};    ///< charge, 0 to 1, at which the robot stops
 };
 
 /// @throws InputError

@@ -94,7 +94,32 @@ struct AttitudeObservation {
   double yaw_rate_rad_s{};  ///< about the base's z, positive turning left
 };
 
+/// How the robot lies, from the inclinometer: wrong while it accelerates, and late.
+struct InclinationObservation {
+  robot::RunTime captured_at{};
+  double roll_rad{}, pitch_rad{};  ///< as robot::Inclination
+};
+
+struct BatteryObservation {
+  robot::RunTime captured_at{};
+  double charge{}, voltage_V{};
+};
+
+/// A sensor did not say what it should have.
+struct LossObservation {
+  enum class Cause {
+    kMissing,     ///< single readings are lost; the next may come
+    kLineDown,    ///< nothing comes from there any more
+    kStuck,       ///< it says the same to the bit again and again
+    kImplausible  ///< it says what cannot be
+  };
+  robot::RunTime captured_at{};
+  robot::Sensor sensor{};
+  Cause cause{Cause::kMissing};
+};
+
 using Observation = std::variant<LaserObservation, IrObservation, RingObservation, FaultObservation,
-                                 OdometryObservation, AttitudeObservation>;
+                                 OdometryObservation, AttitudeObservation, InclinationObservation,
+                                 BatteryObservation, LossObservation>;
 
 }  // namespace kantaro::perception

@@ -150,9 +150,10 @@ Parameters ReadParameters(const std::filesystem::path& file) {
 
 Parameters ParseParameters(const std::string& text, const std::filesystem::path& name) {
   const YamlNode root = YamlNode::Parse(text, name);
-  root.AllowOnly({"laser", "infrared", "rings", "faults", "stereo"});
-  return {ReadLaser(root["laser"]), ReadIr(root["infrared"]), ReadRings(root["rings"]),
-          ReadFaults(root["faults"]), ReadStereo(root["stereo"])};
+  root.AllowOnly({"laser", "infrared", "rings", "faults", "stereo", "stuck_readings"});
+  return {ReadLaser(root["laser"]),   ReadIr(root["infrared"]),
+          ReadRings(root["rings"]),   ReadFaults(root["faults"]),
+          ReadStereo(root["stereo"]), static_cast<int>(root["stuck_readings"].Integer(2, 1000))};
 }
 
 }  // namespace kantaro::perception

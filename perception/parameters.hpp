@@ -19,6 +19,7 @@ struct Parameters {
   RingParameters rings;
   FaultParameters faults;
   stereo::Parameters stereo;
+  int stuck_readings{8};  ///< so many equal ones in a row: the sensor hangs (Repetition)
 };
 
 /// Reads `perception.yaml`. Every key must be there and no other.

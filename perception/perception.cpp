@@ -1,6 +1,8 @@
 #include "perception/perception.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <type_traits>
 
@@ -26,15 +28,33 @@ cv::Point2d PipeCenter(const std::vector<RingSighting>& rings, const robot::Came
   return center;
 }
 
+/// No reading of a sensor that works.
+bool IsImplausible(const robot::Reading& reading, double gyro_range_rad_s) {
+  if (const auto* inertial = std::get_if<robot::InertialReading>(&reading.value)) {
+    return inertial->angular_velocity_rad_s.cwiseAbs().maxCoeff() >= gyro_range_rad_s;
+  }
+  if (const auto* laser = std::get_if<robot::LaserRevolution>(&reading.value)) {
+    return !laser->samples.empty() &&
+           std::all_of(laser->samples.begin(), laser->samples.end(), [](const auto& sample) {
+             return sample.status == robot::RangeStatus::kTooFar;
+           });
+  }
+  return false;
+}
+
 }  // namespace
 
 Perception::Perception(robot::Description description, Parameters parameters)
     : camera_(description.front_camera),
       rectifier_(camera_, robot::FrontRectification(description)),
+      gyro_range_rad_s_(description.inertial.gyro_range_rad_s > 0.0
+                            ? description.inertial.gyro_range_rad_s
+                            : std::numeric_limits<double>::infinity()),
       parameters_(parameters),
       odometry_(description),
       laser_(parameters.laser.revolutions),
-      ir_(parameters.ir) {}
+      ir_(parameters.ir),
+      repetition_(parameters.stuck_readings) {}
 
 void Perception::SetPipeDiameter(double diameter_m) {
   if (!(diameter_m > 0 && std::isfinite(diameter_m))) {
@@ -43,7 +63,20 @@ void Perception::SetPipeDiameter(double diameter_m) {
   pipe_diameter_m_ = diameter_m;
 }
 
+std::optional<LossObservation> Perception::Distrust(const robot::Reading& reading) {
+  using Cause = LossObservation::Cause;
+  const auto because = [&](Cause cause) {
+    return LossObservation{reading.captured_at, robot::SensorOf(reading), cause};
+  };
+  if (const auto* loss = std::get_if<robot::Loss>(&reading.value))
+    return because(loss->line_down ? Cause::kLineDown : Cause::kMissing);
+  if (repetition_.IsStuck(reading)) return because(Cause::kStuck);
+  if (IsImplausible(reading, gyro_range_rad_s_)) return because(Cause::kImplausible);
+  return {};
+}
+
 std::vector<Observation> Perception::Process(const robot::Reading& reading) {
+  if (const auto loss = Distrust(reading)) return {*loss};
   const robot::RunTime at = reading.captured_at;
   return std::visit(
       [&](const auto& value) -> std::vector<Observation> {
@@ -58,8 +91,12 @@ std::vector<Observation> Perception::Process(const robot::Reading& reading) {
           return {odometry_.Travel(value, at)};
         } else if constexpr (std::is_same_v<Value, robot::InertialReading>) {
           return {attitude_.Update(value, at)};
+        } else if constexpr (std::is_same_v<Value, robot::Inclination>) {
+          return {InclinationObservation{at, value.roll_rad, value.pitch_rad}};
+        } else if constexpr (std::is_same_v<Value, robot::BatteryState>) {
+          return {BatteryObservation{at, value.charge, value.voltage_V}};
         } else {
-          return {};  // the stereo pair, and what navigation has no use for yet
+          return {};
         }
       },
       reading.value);

@@ -266,7 +266,8 @@ Scenario ParseScenario(const std::string& text, const std::filesystem::path& nam
                        const NetworkReader& read_network) {
   const YamlNode root = YamlNode::Parse(text, name);
   root.AllowOnly({"name", "description", "network", "robot", "materials", "start", "goal", "via",
-                  "time_limit_s", "variation", "cameras", "limits", "blind", "faults"});
+                  "time_limit_s", "variation", "cameras", "limits", "blind", "faults",
+                  "battery_percent"});
   Scenario scenario;
   scenario.file = name;
   scenario.name = ParseName(root["name"]);
@@ -282,6 +283,8 @@ Scenario ParseScenario(const std::string& text, const std::filesystem::path& nam
   ReadIfGiven(root, "cameras", scenario.cameras, ParseCameras);
   ReadIfGiven(root, "limits", scenario.limits, ParseLimits);
   scenario.faults = ParseFaults(root);
+  ReadIfGiven(root, "battery_percent", scenario.battery_charge,
+              [](const YamlNode& n) { return n.Number(0.0, 100.0) / 100.0; });
 
   scenario.network = read_network(scenario.network_file);
   scenario.start = ParseStart(root["start"], scenario.network);

@@ -88,6 +88,7 @@ struct Scenario {
   CameraSettings cameras;
   Limits limits;
   std::vector<robot::Fault> faults;  ///< of the robot's sensors
+  double battery_charge{1.0};        ///< at the start, 0 to 1
 
   /// Whether this sensor says anything at any time.
   [[nodiscard]] bool Has(robot::Sensor sensor) const;

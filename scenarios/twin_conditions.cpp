@@ -23,6 +23,7 @@ sim::Conditions TwinConditions(const Scenario& scenario, const Conditions& condi
     twin.mast_diameter_m =
         std::max(twin.mast_diameter_m, scenario.network.PipeNamed(leg.pipe).diameter_m);
   }
+  twin.battery_charge = scenario.battery_charge;
   twin.time_limit_s = scenario.time_limit_s;
   return twin;
 }

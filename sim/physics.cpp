@@ -183,6 +183,19 @@ std::array<double, 4> Physics::WheelAngles() const {
   return angles;
 }
 
+std::array<double, 4> Physics::MotorTorques() const {
+  std::array<double, 4> torques{};
+  for (std::size_t i = 0; i < torques.size(); ++i) torques[i] = data_->actuator_force[i];
+  return torques;
+}
+
+std::array<double, 4> Physics::WheelSpeeds() const {
+  std::array<double, 4> speeds{};
+  for (std::size_t i = 0; i < speeds.size(); ++i)
+    speeds[i] = data_->qvel[model_->jnt_dofadr[wheels_[i].joint]];
+  return speeds;
+}
+
 Vector3d Physics::AngularVelocity() const { return ToEigen(data_->sensordata); }
 
 Vector3d Physics::SpecificForce() const { return ToEigen(data_->sensordata + 3); }

@@ -45,8 +45,11 @@ class Physics {
   [[nodiscard]] Eigen::Isometry3d PoseOfBase() const;       ///< X_WB
   [[nodiscard]] Eigen::Vector3d VelocityOfBase() const;     ///< of B's origin, in W
   [[nodiscard]] std::array<double, 4> WheelAngles() const;  ///< in the order of Description::wheels
-  [[nodiscard]] Eigen::Vector3d AngularVelocity() const;    ///< of B in W, in B (the gyro's truth)
-  [[nodiscard]] Eigen::Vector3d SpecificForce() const;      ///< in B (the accelerometer's truth)
+  /// What the motors give, at the wheels [Nm], and how fast these turn [rad/s]; same order.
+  [[nodiscard]] std::array<double, 4> MotorTorques() const;
+  [[nodiscard]] std::array<double, 4> WheelSpeeds() const;
+  [[nodiscard]] Eigen::Vector3d AngularVelocity() const;  ///< of B in W, in B (the gyro's truth)
+  [[nodiscard]] Eigen::Vector3d SpecificForce() const;    ///< in B (the accelerometer's truth)
   /// Whether a box of this link (by name) overlaps the wall now.
   [[nodiscard]] bool Touches(const std::string& link) const;
   [[nodiscard]] const mjModel& model() const { return *model_; }

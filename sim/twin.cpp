@@ -8,7 +8,10 @@
 #include <stdexcept>
 
 #include "base/random.hpp"
+#include "sim/battery_pack.hpp"
 #include "sim/camera_rig.hpp"
+#include "sim/compass_sensor.hpp"
+#include "sim/inertial_sensors.hpp"
 #include "sim/range_sensors.hpp"
 #include "sim/surface_mesh.hpp"
 
@@ -65,10 +68,17 @@ class Twin::Impl {
                  world_.ground ? GroundAt(*world_.ground) : GroundAt()),
         laser_(description_.laser, *world_.rays, RandomStream(conditions.seed, "sensor.laser")),
         infrared_noise_(conditions.seed, "sensor.infrared"),
-        inertial_noise_(conditions.seed, "sensor.inertial"),
+        inertial_(description_.inertial, conditions.seed),
+        inclinometer_(description_.inclinometer, conditions.seed),
+        compass_(description_.compass, conditions.seed),
+        magnetic_field_(*world_.sewer, description_.compass),
+        battery_(description_.battery, conditions.battery_charge),
         encoder_steps_(StepsPer(description_.encoder_rate_Hz, "encoders")),
         infrared_steps_(StepsPer(description_.infrared_rate_Hz, "IR sensors")),
         inertial_steps_(StepsPer(description_.inertial.rate_Hz, "inertial unit")),
+        inclinometer_steps_(StepsPer(description_.inclinometer.rate_Hz, "inclinometer")),
+        compass_steps_(StepsPer(description_.compass.rate_Hz, "compass")),
+        battery_steps_(StepsPer(description_.battery.rate_Hz, "battery")),
         front_steps_(StepsPer(description_.front_camera.rate_Hz, "front camera")),
         stereo_steps_(StepsPer(description_.stereo_left.rate_Hz, "stereo cameras")) {
     for (const std::string& link : description_.lights) lamp_mounts_.push_back(Mount(link));
@@ -78,7 +88,8 @@ class Twin::Impl {
 
   std::optional<Reading> Read() {
     while (pending_.empty() || pending_.begin()->first.first > Time()) {
-      if (Seconds(Time()) >= conditions_.time_limit_s) return std::nullopt;
+      const bool silent = battery_.off() && pending_.empty();
+      if (silent || Seconds(Time()) >= conditions_.time_limit_s) return std::nullopt;
       Step();
     }
     Pending next = std::move(pending_.begin()->second);
@@ -95,7 +106,7 @@ class Twin::Impl {
 
   robot::CommandOutcome Apply(const robot::Command& command) {
     robot::CheckCommand(command);
-    if (stopped_) return robot::CommandOutcome::kRefused;
+    if (stopped_ || battery_.off()) return robot::CommandOutcome::kRefused;
     lights_ = command.lights;
     physics_.Drive(command.left_rad_s * (1.0 + conditions_.left_right_mismatch),
                    command.right_rad_s * (1.0 - conditions_.left_right_mismatch));
@@ -162,13 +173,22 @@ class Twin::Impl {
     ++steps_;
     const Isometry3d X_WB = physics_.PoseOfBase();
     upper_box_touched_ = upper_box_touched_ || physics_.Touches(description_.upper_box);
+    if (battery_.off()) return;
+    DrawPower();
+    if (battery_.off()) return SwitchOff();
 
     for (auto& [time_s, revolution] :
          laser_.Scan(from_s, Seconds(Time()), X_WL_before, X_WB * laser_mount_)) {
       Queue(FromSeconds(time_s), description_.laser.latency_s, std::move(revolution));
     }
     if (steps_ % encoder_steps_ == 0) Queue(Time(), 0.0, ReadEncoders());
-    if (steps_ % inertial_steps_ == 0) Queue(Time(), 0.0, ReadInertial());
+    if (steps_ % inertial_steps_ == 0) {
+      Queue(Time(), 0.0, inertial_.Measure(physics_.AngularVelocity(), physics_.SpecificForce()));
+    }
+    inclinometer_.Follow(physics_.SpecificForce(), Seconds(kStep));
+    if (steps_ % inclinometer_steps_ == 0) Queue(Time(), 0.0, inclinometer_.Measure());
+    if (steps_ % compass_steps_ == 0) Queue(Time(), 0.0, ReadCompass(X_WB));
+    if (steps_ % battery_steps_ == 0) Queue(Time(), 0.0, robot::BatteryState(battery_.state()));
     if (steps_ % infrared_steps_ == 0) Queue(Time(), 0.0, ReadInfrared(X_WB));
     if (!cameras_) return;
     if (steps_ % front_steps_ == 0)
@@ -195,14 +215,40 @@ class Twin::Impl {
     return encoders;
   }
 
-  robot::InertialReading ReadInertial() {
-    robot::InertialReading reading{physics_.AngularVelocity(), physics_.SpecificForce()};
-    for (int i = 0; i < 3; ++i) {
-      reading.angular_velocity_rad_s[i] += inertial_noise_.Normal(description_.inertial.gyro_noise_rad_s);
-      reading.specific_force_m_s2[i] +=
-          inertial_noise_.Normal(description_.inertial.accelerometer_noise_m_s2);
-    }
-    return reading;
+  double MotorsPower_W() const {
+    const std::array<double, 4> torques = physics_.MotorTorques();
+    const std::array<double, 4> speeds = physics_.WheelSpeeds();
+    double power_W = 0.0;
+    for (std::size_t i = 0; i < torques.size(); ++i)
+      power_W += MotorPower_W(description_.battery, torques[i], speeds[i]);
+    return power_W;
+  }
+
+  void DrawPower() {
+    const robot::Battery& battery = description_.battery;
+    motors_W_ = MotorsPower_W();
+    const double laser_W = description_.laser.speed_rpm > 0.0 ? battery.laser_W : 0.0;
+    battery_.Draw(motors_W_ + battery.electronics_W + laser_W + lights_ * battery.lights_W,
+                  Seconds(kStep));
+  }
+
+  /// What was on its way is lost with all the rest.
+  void SwitchOff() {
+    physics_.Drive(0.0, 0.0);
+    lights_ = 0.0;
+    pending_.clear();
+    // The battery's own first: it is why.
+    for (std::size_t i = robot::kSensorCount; i-- > 0;)
+      Queue(Time(), 0.0, robot::Loss{static_cast<robot::Sensor>(i), 1, true});
+  }
+
+  robot::CompassHeading ReadCompass(const Isometry3d& X_WB) {
+    GroundTruth here;
+    here.X_WB = X_WB;
+    Locate(here);
+    const Eigen::Vector3d field_T =
+        magnetic_field_.At(X_WB.translation(), here.pipe, here.chainage_m);
+    return compass_.Measure(X_WB.linear(), field_T, motors_W_ / battery_.state().voltage_V);
   }
 
   robot::IrRanges ReadInfrared(const Isometry3d& X_WB) {
@@ -304,8 +350,14 @@ class Twin::Impl {
   Conditions conditions_;
   Physics physics_;
   LaserScanner laser_;
-  RandomStream infrared_noise_, inertial_noise_;
-  std::int64_t encoder_steps_, infrared_steps_, inertial_steps_, front_steps_, stereo_steps_;
+  RandomStream infrared_noise_;
+  InertialSensor inertial_;
+  InclinationSensor inclinometer_;
+  CompassSensor compass_;
+  MagneticField magnetic_field_;
+  BatteryPack battery_;
+  std::int64_t encoder_steps_, infrared_steps_, inertial_steps_, inclinometer_steps_,
+      compass_steps_, battery_steps_, front_steps_, stereo_steps_;
   Isometry3d laser_mount_{Mount(description_.laser.link)};
   std::vector<Isometry3d> lamp_mounts_;
   std::optional<MountedCamera> front_, left_, right_;
@@ -316,6 +368,7 @@ class Twin::Impl {
   std::map<std::pair<RunTime, std::uint64_t>, Pending> pending_;
   RunTime now_{};
   double lights_{1.0};
+  double motors_W_{};  ///< what they draw now
   bool stopped_{};
   bool upper_box_touched_{};
 };

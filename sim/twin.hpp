@@ -51,6 +51,7 @@ struct Conditions {
   double light{1.0};          ///< LED brightness against the nominal
   CameraConditions cameras;
   double mast_diameter_m{0.300};  ///< the mast was set for this pipe
+  double battery_charge{1.0};     ///< at the start, 0 to 1
   double time_limit_s{600.0};     ///< Read() ends the run here
   int render_threads{2};          ///< beside the physics; decides speed, never a result
 };
@@ -69,8 +70,9 @@ struct GroundTruth {
 /// The simulated robot in a simulated sewer, behind the robot's own interface.
 ///
 /// Physics runs in steps of 2 ms; cameras are rendered on worker threads between capture and
-/// delivery. One caller. Every sensor's noise has its own random stream, so nothing depends on
-/// threads or on who reads what.
+/// delivery. When the battery is empty the motors stand, commands are refused and every sensor is
+/// reported lost; then the run is over. One caller. Every sensor's noise has its own random stream,
+/// so nothing depends on threads or on who reads what.
 class Twin : public robot::Hardware {
  public:
   /// @throws RenderingUnavailable if the world has a scenery and no off-screen OpenGL can be had.

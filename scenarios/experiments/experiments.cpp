@@ -11,6 +11,7 @@
 
 #include "base/input_error.hpp"
 #include "scenarios/experiments/experiment.hpp"
+#include "scenarios/experiments/laser_accuracy.hpp"
 #include "scenarios/experiments/locomotion.hpp"
 #include "scenarios/experiments/stereo_accuracy.hpp"
 #include "scenarios/experiments/stereo_pairs.hpp"
@@ -20,8 +21,9 @@ namespace kantaro::scenarios {
 namespace {
 
 const std::vector<Experiment>& All() {
-  static const std::vector<Experiment> all{LocomotionExperiment(), StereoAccuracyExperiment(),
-                                           StereoSpeedExperiment(), StereoPairsExperiment()};
+  static const std::vector<Experiment> all{LocomotionExperiment(), LaserAccuracyExperiment(),
+                                           StereoAccuracyExperiment(), StereoSpeedExperiment(),
+                                           StereoPairsExperiment()};
   return all;
 }
 

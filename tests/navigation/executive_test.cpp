@@ -334,6 +334,7 @@ TEST(Executive, TakesNoIrJunctionOfTheStartForTheNextManholes) {
   Executive executive = Robot(TeeField(), {"A", "C"}, 1.0, 0.1);
   (void)executive.Step(OdometryObservation{At(9.0), 0.0, 0.0, 0.0});
   (void)executive.Step(IrObservation{At(9.0), true, true, true});
+  (void)executive.Step(OdometryObservation{At(10.0), 0.1, 0.1, 0.1});
   (void)executive.Step(IrObservation{At(10.0), false, false, false});
   (void)executive.Step(OdometryObservation{At(60.0), 6.99, 6.99, 6.99});
   (void)executive.Step(IrObservation{At(60.0), true, false, false});
@@ -369,12 +370,19 @@ TEST(Executive, TakesNoJunctionOfTheManholeItLeavesForTheNext) {
 
 // ---- what every command obeys ----
 
-perception::Observation AnyObservation(RandomStream& random, double& time_s, double& travel_m,
-                                       bool backwards) {
-  time_s += random.Uniform(-0.05, 0.15);
+/// The wheels roll about as they are told.
+perception::Observation Rolled(RandomStream& random, double& time_s, double& travel_m,
+                               bool backwards) {
+  time_s += random.Uniform(-0.025, 0.075);
+  travel_m += (backwards ? -1.0 : 1.0) * random.Uniform(0.0, 0.02);
+  return OdometryObservation{At(time_s), travel_m, travel_m, travel_m};
+}
+
+perception::Observation AnyObservation(RandomStream& random, double& time_s, bool attitude) {
+  time_s += random.Uniform(-0.025, 0.075);
   const RunTime at = At(time_s);
   const auto coin = [&] { return random.Index(2) == 1; };
-  switch (random.Index(6)) {
+  switch (attitude ? 3 : random.Index(5)) {
     case 0: {
       LaserObservation laser;
       laser.captured_at = at;
@@ -398,13 +406,12 @@ perception::Observation AnyObservation(RandomStream& random, double& time_s, dou
       return rings;
     }
     case 3:
-      return AttitudeObservation{at, random.Uniform(-3, 3), random.Uniform(-9, 9),
-                                 random.Uniform(-9, 9)};
-    case 4:
-      return perception::FaultObservation{at, {}};
+      // Mostly still, or no one would turn by such a gyro.
+      return AttitudeObservation{
+          at, random.Uniform(-3, 3), random.Uniform(-9, 9),
+          random.Index(5) == 0 ? random.Uniform(-9, 9) : random.Uniform(-0.02, 0.02)};
     default:
-      travel_m += (backwards ? -1.0 : 1.0) * random.Uniform(-0.05, 0.15);
-      return OdometryObservation{at, travel_m, travel_m, travel_m};
+      return perception::FaultObservation{at, {}};
   }
 }
 
@@ -420,8 +427,10 @@ TEST(Executive, KeepsTheSpeedLimitWhateverItSees) {
     Executive executive = Robot(network, {"A", seed % 2 == 0 ? "C" : "E"});
     double time_s = 0.0, travel_m = 0.0;
     robot::Command command;
-    for (int i = 0; i < 1500; ++i) {
-      command = executive.Step(AnyObservation(random, time_s, travel_m, command.left_rad_s < 0.0));
+    for (int i = 0; i < 2500; ++i) {
+      command =
+          executive.Step(i % 2 == 0 ? Rolled(random, time_s, travel_m, command.left_rad_s < 0.0)
+                                    : AnyObservation(random, time_s, i % 4 == 1));
       const double left_m_s = 0.045 * command.left_rad_s, right_m_s = 0.045 * command.right_rad_s;
       ASSERT_LE(std::abs(left_m_s + right_m_s) / 2.0, 0.15) << "seed " << seed << ", step " << i;
       ASSERT_LE(std::abs(left_m_s), 0.25) << "seed " << seed << ", step " << i;

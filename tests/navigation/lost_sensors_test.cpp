@@ -221,11 +221,13 @@ TEST(LostSensors, SeesAJunctionThatOpensTogetherWithTheTop) {
   for (const bool left : {true, false}) {
     const std::vector<std::string> route{left ? "A" : "B", "C"};
     Executive executive(MakeRoute(TeeField(), route, {}), 0.6, Kantaro(), ShippedParameters());
-    (void)executive.Step(OdometryObservation{At(0.0), 0.0, 0.0, 0.0});
     LaserObservation laser;
-    laser.captured_at = At(54.9);
-    (void)executive.Step(laser);
-    (void)executive.Step(OdometryObservation{At(55.0), 6.8, 6.8, 6.8});
+    for (int i = 0; i <= 550; ++i) {
+      const double way_m = 6.8 / 550.0 * i;
+      (void)executive.Step(OdometryObservation{At(0.1 * i), way_m, way_m, way_m});
+      laser.captured_at = At(0.1 * i);
+      (void)executive.Step(laser);
+    }
     laser.captured_at = At(55.0);
     laser.edges = {{LaserWindow::kRight, true, At(55.0)},
                    {LaserWindow::kTop, true, At(55.0)},

@@ -77,7 +77,8 @@ bool Puppet::TopOpen(double sensor_x_m) const {
       leg_ == 0 ? 2.0 * kPipeRadius_m + 0.5 : truth_.legs[leg_ - 1].ThroughManhole_m();
   const bool in_start = at_m > -before_m && at_m < 0.0;
   const bool in_end = at_m > Leg().length_m && at_m < Leg().length_m + Through_m();
-  return setup.tops_open && (in_start || in_end);
+  const bool in_inlet = leg_ == 0 && std::abs(at_m - setup.crown_inlet_m) < kInletRadius_m;
+  return (setup.tops_open && (in_start || in_end)) || in_inlet;
 }
 
 bool Puppet::SideOpen(double sensor_x_m, bool left) const {
@@ -114,7 +115,7 @@ void Puppet::Move(const robot::Command& command, double step_s) {
     crashed_ = crashed_ || !found;
   }
   const double heading_rad = Heading_rad();
-  distance_m_ += setup.scale * speed_m_s * step_s;
+  distance_m_ += setup.scale * (speed_m_s < 0.0 ? setup.reverse_scale : 1.0) * speed_m_s * step_s;
   if (!Leg().straight_on && !turning_) {
     distance_m_ = std::min(distance_m_, Leg().length_m + setup.farthest_beyond_m);
   }
@@ -177,7 +178,9 @@ void Puppet::Drive(Executive& executive, double limit_s) {
     now_ += std::chrono::milliseconds(10);
     Move(command, kStep_s);
     if (setup.gyro) {
-      Tell(executive, perception::AttitudeObservation{now_, 0.0, 0.0, yaw_rate_rad_s_}, command);
+      Tell(executive,
+           perception::AttitudeObservation{now_, 0.0, 0.0, yaw_rate_rad_s_ + setup.yaw_bias_rad_s},
+           command);
     }
     if (tick % 2 == 0) {
       Tell(executive,

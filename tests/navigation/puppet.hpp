@@ -28,9 +28,12 @@ struct PuppetSetup {
   bool tops_open{true};        ///< false: manholes are covered at the height of the crown
   /// Where nothing goes straight on, the base gets no farther beyond the end wall than this.
   double farthest_beyond_m{std::numeric_limits<double>::infinity()};
-  double scale{1.0};          ///< true travel per wheel travel
-  double camera_bias_m{0.0};  ///< of every ring's distance
-  robot::RunTime begin{};     ///< time of the first observation
+  double scale{1.0};            ///< true travel per wheel travel
+  double reverse_scale{1.0};    ///< the same, backing up
+  double crown_inlet_m{-10.0};  ///< an inlet of 150 mm at 12 o'clock of the first leg
+  double yaw_bias_rad_s{};      ///< of the gyro
+  double camera_bias_m{0.0};    ///< of every ring's distance
+  robot::RunTime begin{};       ///< time of the first observation
 };
 
 /// A robot that moves along its route's path and nowhere else, and what its sensors say there by

@@ -32,12 +32,14 @@ robot::Reading At(int ms, Value value) {
   return {milliseconds(ms), milliseconds(ms + 60), std::move(value)};
 }
 
+/// So far all round, but for the floor, on which the robot stands.
 robot::LaserRevolution Round(double range_m) {
   robot::LaserRevolution revolution;
   for (int i = 0; i < 336; ++i) {
+    const double here_m = i > 224 && i < 280 ? 0.150 : range_m;
     revolution.samples.push_back(
-        {2 * std::numbers::pi * i / 336, range_m,
-         range_m < 0.19 ? robot::RangeStatus::kValid : robot::RangeStatus::kTooFar});
+        {2 * std::numbers::pi * i / 336, here_m,
+         here_m < 0.19 ? robot::RangeStatus::kValid : robot::RangeStatus::kTooFar});
   }
   return revolution;
 }
@@ -129,6 +131,65 @@ TEST(Perception, GivesOneObservationForEachOtherSensor) {
               0.090, 1e-12);
   EXPECT_TRUE(std::holds_alternative<AttitudeObservation>(
       perception.Process(At(3, robot::InertialReading{})).at(0)));
+}
+
+LossObservation OnlyLoss(const std::vector<Observation>& observations) {
+  return std::get<LossObservation>(observations.at(0));
+}
+
+TEST(Perception, HandsLossesOn) {
+  Perception perception = Shipped();
+  const LossObservation loss =
+      OnlyLoss(perception.Process(At(7, robot::Loss{robot::Sensor::kLaser, 2, true})));
+  EXPECT_EQ(loss.sensor, robot::Sensor::kLaser);
+  EXPECT_EQ(loss.cause, LossObservation::Cause::kLineDown);
+  EXPECT_EQ(loss.captured_at, milliseconds(7));
+  EXPECT_EQ(OnlyLoss(perception.Process(At(8, robot::Loss{robot::Sensor::kLaser, 2, false}))).cause,
+            LossObservation::Cause::kMissing);
+}
+
+TEST(Perception, BelievesNoSensorThatHangs) {
+  Perception perception = Shipped();
+  for (int i = 1; i < 8; ++i) {
+    EXPECT_TRUE(std::holds_alternative<AttitudeObservation>(
+        perception.Process(At(10 * i, robot::InertialReading{})).at(0)));
+  }
+  EXPECT_EQ(OnlyLoss(perception.Process(At(80, robot::InertialReading{}))).cause,
+            LossObservation::Cause::kStuck);
+  EXPECT_TRUE(std::holds_alternative<AttitudeObservation>(
+      perception.Process(At(90, robot::InertialReading{{0.01, 0, 0}, {0, 0, 9.8}})).at(0)));
+}
+
+TEST(Perception, BelievesNoGyroAtTheEndOfItsScale) {
+  robot::Description robot = Robot();
+  robot.inertial.gyro_range_rad_s = 4.0;
+  Perception perception(robot, {});
+  EXPECT_EQ(
+      OnlyLoss(perception.Process(At(0, robot::InertialReading{{0, 0, -4.0}, {0, 0, 9.8}}))).cause,
+      LossObservation::Cause::kImplausible);
+  EXPECT_TRUE(std::holds_alternative<AttitudeObservation>(
+      perception.Process(At(10, robot::InertialReading{{0, 0, -3.9}, {0, 0, 9.8}})).at(0)));
+}
+
+TEST(Perception, BelievesNoLaserThatDoesNotSeeTheFloor) {
+  robot::LaserRevolution dazzled = Round(0.190);
+  for (robot::LaserSample& sample : dazzled.samples)
+    sample = {sample.angle_rad, 0.190, robot::RangeStatus::kTooFar};
+  Perception perception = Shipped();
+  EXPECT_EQ(OnlyLoss(perception.Process(At(0, dazzled))).cause,
+            LossObservation::Cause::kImplausible);
+}
+
+TEST(Perception, TellsInclinationAndBattery) {
+  Perception perception = Shipped();
+  const auto leaning = std::get<InclinationObservation>(
+      perception.Process(At(1, robot::Inclination{0.1, -0.2})).at(0));
+  EXPECT_EQ(leaning.roll_rad, 0.1);
+  EXPECT_EQ(leaning.pitch_rad, -0.2);
+  const auto battery = std::get<BatteryObservation>(
+      perception.Process(At(2, robot::BatteryState{14.0, 2.0, 0.3})).at(0));
+  EXPECT_EQ(battery.charge, 0.3);
+  EXPECT_TRUE(perception.Process(At(3, robot::CompassHeading{})).empty());
 }
 
 TEST(Perception, HasNothingToSayAboutStereo) {

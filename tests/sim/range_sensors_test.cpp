@@ -116,10 +116,10 @@ TEST(LaserScanner, HasMoreBeamsToASlowerTurn) {
   // 1700 rpm: 355.76 beams; every turn has 355 or 356, and none is lost.
   std::size_t all = 0;
   for (const auto& turn : ScanAt(1700.0, rays)) {
-    EXPECT_NEAR(turn.revolution.samples.size(), 355.76, 1.0);
+    EXPECT_NEAR(static_cast<double>(turn.revolution.samples.size()), 355.76, 1.0);
     all += turn.revolution.samples.size();
   }
-  EXPECT_NEAR(all, 28 * 355.76, 1.0);
+  EXPECT_NEAR(static_cast<double>(all), 28 * 355.76, 1.0);
 }
 
 TEST(LaserScanner, CompletesNoTurnWhileItsMirrorStandsStill) {

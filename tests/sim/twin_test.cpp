@@ -92,6 +92,29 @@ TEST_F(TwinTest, HandsOverEverySensorInOrderAtItsRate) {
   EXPECT_EQ(count[3], 100);
   EXPECT_EQ(count[4], 100);
   EXPECT_EQ(count[5], 200);
+  EXPECT_EQ(count[6], 40);
+  EXPECT_EQ(count[7], 20);
+  EXPECT_EQ(count[8], 4);
+}
+
+// 35 W for 2 s are 70 J, of 1 mAh at 12 V 43 J: it cannot last. 0.02 % of 5.2 Ah is 1.04 mAh.
+TEST_F(TwinTest, StopsAndSaysSoWhenTheBatteryIsEmpty) {
+  Conditions conditions = StartIn("P1", 1.0);
+  conditions.battery_charge = 0.0002;
+  Twin twin(BuildWorld(network_, 1, false), description_, conditions);
+  EXPECT_EQ(twin.Apply({kCruise_rad_s, kCruise_rad_s, 1.0}), robot::CommandOutcome::kHonoured);
+  std::size_t lost = 0;
+  robot::RunTime at{};
+  while (const auto reading = twin.Read()) {
+    const bool loss = std::holds_alternative<robot::Loss>(reading->value);
+    EXPECT_TRUE(lost == 0 || loss) << "nothing speaks without power";
+    lost += loss ? 1 : 0;
+    at = reading->arrived_at;
+    if (loss) EXPECT_TRUE(std::get<robot::Loss>(reading->value).line_down);
+  }
+  EXPECT_EQ(lost, robot::kSensorCount);
+  EXPECT_NEAR(Seconds(at), 1.3, 0.4);  // 1.04 mAh at 12 V are 45 J
+  EXPECT_EQ(twin.Apply({kCruise_rad_s, kCruise_rad_s, 1.0}), robot::CommandOutcome::kRefused);
 }
 
 TEST_F(TwinTest, TheLaserSeesThePipeAndThenOnlyTheTopOfAPlainManhole) {
