@@ -60,6 +60,8 @@ void Perception::SetPipeDiameter(double diameter_m) {
   if (!(diameter_m > 0 && std::isfinite(diameter_m))) {
     throw std::invalid_argument("the pipe's diameter must be above 0");
   }
+  if (pipe_diameter_m_ == diameter_m) return;
+  rings_.emplace(camera_, diameter_m / 2, parameters_.rings);
   pipe_diameter_m_ = diameter_m;
 }
 
@@ -111,8 +113,7 @@ std::vector<Observation> Perception::Look(const robot::FrontImage& front,
   if (!pipe_diameter_m_) return {};
   const cv::Mat brightness = rectifier_.Rectify(seen);
 
-  RingObservation rings{captured_at,
-                        FindRings(brightness, camera_, *pipe_diameter_m_ / 2, parameters_.rings)};
+  RingObservation rings{captured_at, rings_->Find(brightness)};
   FaultObservation faults{captured_at, {}};
   const double scale = camera_.focal_px * *pipe_diameter_m_ / 2;
   const double middle_px =

@@ -10,6 +10,7 @@
 #include "perception/odometry.hpp"
 #include "perception/parameters.hpp"
 #include "perception/repetition.hpp"
+#include "perception/ring_finder.hpp"
 #include "robot/description.hpp"
 #include "robot/readings.hpp"
 #include "robot/rectifier.hpp"
@@ -65,6 +66,7 @@ class Perception {
   IrLandmarks ir_;
   Repetition repetition_;
   std::optional<double> pipe_diameter_m_;
+  std::optional<RingFinder> rings_;  ///< for this diameter
 };
 
 }  // namespace kantaro::perception

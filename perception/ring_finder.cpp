@@ -13,36 +13,17 @@
 #include <utility>
 
 #include "perception/brightness.hpp"
+#include "perception/ring_votes.hpp"
 
 namespace kantaro::perception {
 namespace {
 
-constexpr int kDirections = 144;    // one each 2.5°
 constexpr int kReach = 12;          // the step's stencil looks so far along the radius [px]
-constexpr int kCenterStep = 2;      // of the coarse search [px]
 constexpr double kDarkFloor = 4.0;  // grey levels added before the logarithm: tames dark noise
 constexpr float kLargestLine = 0.40F, kLargestStep = 0.40F;  // contrast at which a vote saturates
-constexpr float kLargestContrast = 1.0F;     // in the close-up, where line and step are compared
-constexpr double kVotesPerContrast = 500.0;  // 144 directions of the largest line fit 16 bits
-constexpr double kLeastVisible = 0.35;       // share of a circle that must lie in the image
-constexpr double kCoarseShare = 0.6;         // of the thresholds; the coarse grid blurs thin lines
+constexpr float kLargestContrast = 1.0F;  // in the close-up, where line and step are compared
+constexpr double kCoarseShare = 0.6;      // of the thresholds; the coarse grid blurs thin lines
 constexpr std::size_t kMostCandidates = 8;
-
-/// Unit vectors in the image (x right, y down), clockwise from the crown.
-const std::array<cv::Point2d, kDirections>& Directions() {
-  static const auto directions = [] {
-    std::array<cv::Point2d, kDirections> result;
-    for (int t = 0; t < kDirections; ++t) {
-      const double clock_rad = 2 * std::numbers::pi * t / kDirections;
-      result[t] = {std::sin(clock_rad), -std::cos(clock_rad)};
-    }
-    return result;
-  }();
-  return directions;
-}
-
-/// Directions in which a ring has one sign, group by group.
-using Groups = std::vector<std::vector<int>>;
 
 /// A joint's line: one sign all round.
 const Groups& AllRound() {
@@ -158,29 +139,6 @@ Contrasts Measure(const Polar& polar, const Optics& optics, float largest_line,
   return contrasts;
 }
 
-/// The strongest circle of one radius.
-struct Best {
-  double contrast{};  ///< mean over the groups' directions, each group's sum without its sign
-  cv::Point offset;   ///< of the circle's centre from the principal point
-};
-
-/// Adds the votes of one group for circles of columns first … last about a centre `offset` away,
-/// exact at `radius_px`. @pre rows go on for `pad` columns before first and after last.
-void AddVotes(const cv::Mat& votes, const std::vector<int>& group, cv::Point offset,
-              double radius_px, int first, int last, int pad, std::vector<std::int16_t>& sums) {
-  std::fill(sums.begin() + first, sums.begin() + last + 1, std::int16_t{0});
-  for (const int t : group) {
-    const cv::Point2d u = Directions()[t];
-    const double along = offset.x * u.x + offset.y * u.y;
-    const double across = offset.x * u.y - offset.y * u.x;
-    const int shift = std::clamp(
-        static_cast<int>(std::lround(along - across * across / (2 * radius_px))), -pad, pad);
-    const std::int16_t* row = votes.ptr<std::int16_t>(t) + shift;
-    std::int16_t* sum = sums.data();
-    for (int k = first; k <= last; ++k) sum[k] = static_cast<std::int16_t>(sum[k] + row[k]);
-  }
-}
-
 /// Visible directions at each column.
 std::vector<int> CountVisible(const Polar& polar, const Groups& groups) {
   std::vector<int> counts(static_cast<std::size_t>(polar.columns()));
@@ -192,41 +150,6 @@ std::vector<int> CountVisible(const Polar& polar, const Groups& groups) {
   return counts;
 }
 
-/// Hough transform: columns pad … last of a polar picture that goes on for `pad` columns after the
-/// last; all centres within the search. One entry a column.
-std::vector<Best> Transform(const Polar& polar, const cv::Mat& contrast, const Groups& groups,
-                            int search_px, int pad, int last) {
-  cv::Mat votes;
-  contrast.convertTo(votes, CV_16S, kVotesPerContrast);
-  const std::vector<int> visible = CountVisible(polar, groups);
-  std::size_t all = 0;
-  for (const auto& group : groups) all += group.size();
-  std::vector<std::int16_t> sums(static_cast<std::size_t>(polar.columns()));
-  std::vector<int> totals(sums.size());
-  std::vector<Best> best(static_cast<std::size_t>(last - pad + 1));
-  // The shift of a row depends a little on the radius: bands of radii share one.
-  for (int begin = pad, end = 0; begin <= last; begin = end + 1) {
-    end =
-        std::clamp(static_cast<int>((begin + polar.first_px) * 1.4) - polar.first_px, begin, last);
-    const double radius_px = polar.first_px + (begin + end) / 2.0;
-    for (int dy = -search_px; dy <= search_px; dy += kCenterStep) {
-      for (int dx = -search_px; dx <= search_px; dx += kCenterStep) {
-        std::fill(totals.begin() + begin, totals.begin() + end + 1, 0);
-        for (const auto& group : groups) {
-          AddVotes(votes, group, {dx, dy}, radius_px, begin, end, pad, sums);
-          for (int k = begin; k <= end; ++k) totals[k] += std::abs(sums[k]);
-        }
-        for (int k = begin; k <= end; ++k) {
-          if (visible[k] < kLeastVisible * static_cast<double>(all)) continue;
-          const double value = totals[k] / (kVotesPerContrast * visible[k]);
-          if (value > best[k - pad].contrast) best[k - pad] = {value, {dx, dy}};
-        }
-      }
-    }
-  }
-  return best;
-}
-
 /// A circle that the votes speak for.
 struct Candidate {
   double radius_px{};
@@ -235,8 +158,8 @@ struct Candidate {
 };
 
 /// Maxima along the radius, from first_px on, that no stronger one is near; the strongest first.
-std::vector<Candidate> Maxima(const std::vector<Best>& best, int first_px, double least_contrast,
-                              const Optics& optics) {
+std::vector<Candidate> Maxima(const std::vector<BestCircle>& best, int first_px,
+                              double least_contrast, const Optics& optics) {
   std::vector<Candidate> all;
   for (std::size_t k = 0; k < best.size(); ++k) {
     if (best[k].contrast < kCoarseShare * least_contrast) continue;
@@ -569,36 +492,41 @@ std::optional<RingSighting> JudgeMouth(const cv::Mat& log_brightness, const Clos
 
 }  // namespace
 
-std::vector<RingSighting> FindRings(const cv::Mat& brightness, const robot::Camera& camera,
-                                    double pipe_radius_m, const RingParameters& parameters) {
-  RequireBrightness(brightness, "ring finder");
-  if (brightness.size() != cv::Size(camera.width_px, camera.height_px)) {
-    throw std::invalid_argument(
-        fmt::format("ring finder: the image is {} x {}, the camera's are {} x {}", brightness.cols,
-                    brightness.rows, camera.width_px, camera.height_px));
-  }
+RingFinder::RingFinder(const robot::Camera& camera, double pipe_radius_m,
+                       const RingParameters& parameters)
+    : camera_(camera), parameters_(parameters) {
   if (!(pipe_radius_m > 0)) {
     throw std::invalid_argument("ring finder: the pipe's radius must be above 0");
   }
-  const Optics optics{{camera.center_x_px, camera.center_y_px},
-                      camera.focal_px * pipe_radius_m,
-                      parameters.groove_m};
-  const int smallest =
-      std::max(8, static_cast<int>(std::floor(optics.ring_px_m / parameters.far_m)));
-  const int largest = std::min(static_cast<int>(std::ceil(optics.ring_px_m / parameters.near_m)),
-                               std::max(brightness.cols, brightness.rows) / 2);
-  if (largest <= smallest) return {};
+  ring_px_m_ = camera.focal_px * pipe_radius_m;
+  smallest_px_ = std::max(8, static_cast<int>(std::floor(ring_px_m_ / parameters.far_m)));
+  largest_px_ = std::min(static_cast<int>(std::ceil(ring_px_m_ / parameters.near_m)),
+                         std::max(camera.width_px, camera.height_px) / 2);
+  if (largest_px_ <= smallest_px_) return;
+  pad_px_ = static_cast<int>(std::ceil(parameters.center_search_px * 1.5)) + kReach + 8;
+  const VoteColumns columns{smallest_px_ - pad_px_, pad_px_, pad_px_ + largest_px_ - smallest_px_};
+  joints_.emplace(AllRound(), parameters.center_search_px, columns);
+  mouths_.emplace(CrownAndShoulders(), parameters.center_search_px, columns);
+}
+
+std::vector<RingSighting> RingFinder::Find(const cv::Mat& brightness) const {
+  RequireBrightness(brightness, "ring finder");
+  if (brightness.size() != cv::Size(camera_.width_px, camera_.height_px)) {
+    throw std::invalid_argument(
+        fmt::format("ring finder: the image is {} x {}, the camera's are {} x {}", brightness.cols,
+                    brightness.rows, camera_.width_px, camera_.height_px));
+  }
+  if (!joints_) return {};
+  const RingParameters& parameters = parameters_;
+  const int smallest = smallest_px_;
+  const Optics optics{{camera_.center_x_px, camera_.center_y_px}, ring_px_m_, parameters.groove_m};
 
   const cv::Mat log_brightness = LogBrightness(brightness);
-  const int pad = static_cast<int>(std::ceil(parameters.center_search_px * 1.5)) + kReach + 8;
-  const Polar polar = Unroll(log_brightness, optics.center_px, smallest - pad, largest + pad);
+  const Polar polar =
+      Unroll(log_brightness, optics.center_px, smallest - pad_px_, largest_px_ + pad_px_);
   const Contrasts contrasts = Measure(polar, optics, kLargestLine, kLargestStep);
-  const auto transform = [&](const cv::Mat& contrast, const Groups& groups) {
-    return Transform(polar, contrast, groups, parameters.center_search_px, pad,
-                     pad + largest - smallest);
-  };
-  const std::vector<Best> line = transform(contrasts.line, AllRound());
-  const std::vector<Best> step = transform(contrasts.step, CrownAndShoulders());
+  const auto line = joints_->Count(contrasts.line, CountVisible(polar, AllRound()));
+  const auto step = mouths_->Count(contrasts.step, CountVisible(polar, CrownAndShoulders()));
 
   // Joints first: the step's stencil answers to a line as well, the line's hardly to a step.
   std::vector<RingSighting> rings;
@@ -617,6 +545,11 @@ std::vector<RingSighting> FindRings(const cv::Mat& brightness, const robot::Came
   std::sort(rings.begin(), rings.end(),
             [](const auto& a, const auto& b) { return a.distance_m < b.distance_m; });
   return rings;
+}
+
+std::vector<RingSighting> FindRings(const cv::Mat& brightness, const robot::Camera& camera,
+                                    double pipe_radius_m, const RingParameters& parameters) {
+  return RingFinder(camera, pipe_radius_m, parameters).Find(brightness);
 }
 
 }  // namespace kantaro::perception

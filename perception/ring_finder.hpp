@@ -1,9 +1,11 @@
 #pragma once
 
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <vector>
 
 #include "perception/observations.hpp"
+#include "perception/ring_votes.hpp"
 #include "robot/description.hpp"
 
 namespace kantaro::perception {
@@ -34,9 +36,26 @@ struct RingParameters {
 /// distance = focal length * pipe_radius_m / radius. The radius alone cannot tell a 250 mm ring
 /// from a 300 mm one, so pipe_radius_m must come from the laser or the map.
 ///
-/// @param brightness  8-bit, one channel, of the camera's size.
-/// @returns rings, nearest first; none in a black image.
-/// @throws std::invalid_argument for another type or size, or a radius that is not above 0.
+/// What follows from camera, pipe and parameters is worked out once, for any number of images.
+class RingFinder {
+ public:
+  /// @throws std::invalid_argument for a radius that is not above 0.
+  RingFinder(const robot::Camera& camera, double pipe_radius_m, const RingParameters& parameters);
+
+  /// @param brightness  8-bit, one channel, of the camera's size.
+  /// @returns rings, nearest first; none in a black image.
+  /// @throws std::invalid_argument for another type or size.
+  [[nodiscard]] std::vector<RingSighting> Find(const cv::Mat& brightness) const;
+
+ private:
+  robot::Camera camera_;
+  RingParameters parameters_;
+  double ring_px_m_{};  ///< radius of a ring in the image times its distance
+  int smallest_px_{}, largest_px_{}, pad_px_{};
+  std::optional<RingVotes> joints_, mouths_;  ///< absent where the image has no room for a ring
+};
+
+/// The rings in a single image. @see RingFinder
 [[nodiscard]] std::vector<RingSighting> FindRings(const cv::Mat& brightness,
                                                   const robot::Camera& camera, double pipe_radius_m,
                                                   const RingParameters& parameters);

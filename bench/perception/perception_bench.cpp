@@ -31,10 +31,8 @@ BENCHMARK(BrightnessOfAFrontImage)->Unit(benchmark::kMillisecond);
 
 void RingsOfAFrontImage(benchmark::State& state) {
   const cv::Mat brightness = Brightness(View());
-  const RingParameters parameters = Shipped().rings;
-  for (auto _ : state) {
-    benchmark::DoNotOptimize(FindRings(brightness, FrontCamera(), 0.150, parameters));
-  }
+  const RingFinder finder(FrontCamera(), 0.150, Shipped().rings);
+  for (auto _ : state) benchmark::DoNotOptimize(finder.Find(brightness));
 }
 BENCHMARK(RingsOfAFrontImage)->Unit(benchmark::kMillisecond);
 
