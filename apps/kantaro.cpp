@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <thread>
@@ -58,11 +59,17 @@ std::optional<std::filesystem::path> Given(const Value& word) {
 struct Words {
   std::vector<std::string> paths, blind, only;
   std::string file, to, out, junit, baseline, pipe, chainage, pipes, length, spacing, count, page,
-      from, controller, laser, noise, cut_controller, cut_laser, cut_front;
+      from, photos, scans, controller, laser, noise, cut_controller, cut_laser, cut_front;
   std::string pace{"real"};
   std::string seed{"1"}, seeds{"1"}, jobs, robot{"models/kantaro"}, other_robot, hardware{"sim"};
   bool record{}, json{};
 };
+
+/// Where data lies that is no part of the project.
+std::filesystem::path DataFolder() {
+  const char* given = std::getenv("KANTARO_DATA");
+  return given != nullptr ? given : "../shared/data";
+}
 
 kantaro::network::GeneratorOptions ReadGeneratorOptions(const Words& words) {
   kantaro::network::GeneratorOptions options;
@@ -160,6 +167,8 @@ int Dispatch(const CLI::App& app, const Words& words) {
     request.only = words.only;
     request.jobs = ParseJobs(words.jobs);
     request.robot_folder = words.robot;
+    request.photos = Given(words.photos).value_or(DataFolder() / "sewer_images");
+    request.scans = Given(words.scans).value_or(DataFolder() / "pipe_scans");
     request.out = words.out.empty() ? "runs/experiments" : words.out;
     request.from = Given(words.from);
     request.page = Given(words.page);
@@ -270,6 +279,10 @@ void Declare(CLI::App& app, Words& words) {
       ->allow_extra_args(false);
   experiment->add_option("--jobs", words.jobs, "threads (default: one for each core)");
   experiment->add_option("--robot", words.robot, "the robot's folder (default models/kantaro)");
+  experiment->add_option("--photos", words.photos,
+                         "realism: folder of photographs (default sewer_images in KANTARO_DATA)");
+  experiment->add_option("--scans", words.scans,
+                         "realism: folder of scans (default pipe_scans in KANTARO_DATA)");
   experiment->add_option("--out", words.out, "folder for NAME.json (default runs/experiments)");
   experiment->add_option("--from", words.from, "folder of NAME.json: show that, run nothing");
   experiment->add_option("--page", words.page, "write the page of results here");

@@ -101,8 +101,8 @@ Json Measure(const Experiment& experiment, const ExperimentRequest& request) {
   const auto progress = [&](std::size_t done, std::size_t all) {
     line.Show(fmt::format("{}: {} of {} runs", experiment.name, done, all));
   };
-  return experiment.run(
-      {request.robot_folder, request.seed, request.count, request.only, request.jobs, progress});
+  return experiment.run({request.robot_folder, request.seed, request.count, request.only,
+                         request.jobs, request.photos, request.scans, request.out, progress});
 }
 
 Json ReadMeasured(const Experiment& experiment, const std::filesystem::path& file) {
@@ -250,7 +250,11 @@ int RunExperiments(const ExperimentRequest& request, std::ostream& out) {
     if (!request.json)
       out << experiment.table(results.back()) << "results: " << file.string() << '\n' << std::flush;
   }
-  if (request.page) WriteFileAtomically(*request.page, ResultsPage(experiments, results));
+  if (request.page) {
+    const std::string before =
+        std::filesystem::exists(*request.page) ? ReadInputFile(*request.page) : "";
+    WriteFileAtomically(*request.page, ResultsPage(experiments, results, before));
+  }
   if (request.json)
     out << (request.name == "all" ? Json(results) : results.front()).dump(2) << '\n';
   return passed ? kExitPassed : kExitFailed;

@@ -91,6 +91,7 @@ struct ExperimentRequest {
   std::vector<std::string> only;  ///< cases; empty: all
   unsigned jobs{1};
   std::filesystem::path robot_folder;
+  std::filesystem::path photos, scans;        ///< folders of what is measured against
   std::filesystem::path out;                  ///< folder for NAME.json
   std::optional<std::filesystem::path> from;  ///< folder of NAME.json: show it, run nothing
   std::optional<std::filesystem::path> page;  ///< where to write the page of results

@@ -13,6 +13,7 @@
 #include "scenarios/experiments/experiment.hpp"
 #include "scenarios/experiments/laser_accuracy.hpp"
 #include "scenarios/experiments/locomotion.hpp"
+#include "scenarios/experiments/realism.hpp"
 #include "scenarios/experiments/stereo_accuracy.hpp"
 #include "scenarios/experiments/stereo_pairs.hpp"
 #include "scenarios/experiments/stereo_speed.hpp"
@@ -21,9 +22,9 @@ namespace kantaro::scenarios {
 namespace {
 
 const std::vector<Experiment>& All() {
-  static const std::vector<Experiment> all{LocomotionExperiment(), LaserAccuracyExperiment(),
+  static const std::vector<Experiment> all{LocomotionExperiment(),     LaserAccuracyExperiment(),
                                            StereoAccuracyExperiment(), StereoSpeedExperiment(),
-                                           StereoPairsExperiment()};
+                                           StereoPairsExperiment(),    RealismExperiment()};
   return all;
 }
 
@@ -33,7 +34,10 @@ std::span<const Experiment> Experiments() { return All(); }
 
 std::span<const Experiment> ExperimentsNamed(const std::string& word) {
   const std::vector<Experiment>& all = All();
-  if (word == "all") return all;
+  if (word == "all") {
+    const auto own = std::ranges::find_if(all, [](const Experiment& one) { return one.own_page; });
+    return {all.begin(), own};
+  }
   std::string names = "all";
   for (const Experiment& experiment : all) {
     if (experiment.name == word) return {&experiment, 1};
@@ -44,7 +48,13 @@ std::span<const Experiment> ExperimentsNamed(const std::string& word) {
 }
 
 std::string ResultsPage(std::span<const Experiment> experiments,
-                        std::span<const nlohmann::ordered_json> results) {
+                        std::span<const nlohmann::ordered_json> results,
+                        const std::string& before) {
+  if (experiments.size() == 1 && experiments[0].own_page) {
+    const std::size_t end = before.find(kGeneratedBelow);
+    const std::string kept = end == std::string::npos ? "" : before.substr(0, end);
+    return kept + std::string(kGeneratedBelow) + "\n" + experiments[0].chapter(results[0]);
+  }
   std::string page =
       "# Results\n\nThe thesis' experiments on the twin, beside what the thesis says. Written "
       "by\n\n"
