@@ -173,11 +173,14 @@ class Device : public Hardware {
 
   /// Everything that has come, to the host.
   void Collect() {
+    // A robot that leaves closes its controller's line first. That line is read last and cut first,
+    // so that it does not matter where in between the other is found closed.
+    for (std::size_t i = kLines; i-- > 0;) {
+      if (lines_[i]) host_.Receive(static_cast<Line>(i), lines_[i]->Read(), HostClock());
+    }
     for (std::size_t i = 0; i < kLines; ++i) {
-      if (!lines_[i]) continue;
-      const wire::Bytes bytes = lines_[i]->Read();
-      host_.Receive(static_cast<Line>(i), bytes, HostClock());
-      if (lines_[i]->gone() && host_.opened()) host_.Cut(static_cast<Line>(i), HostClock());
+      if (!lines_[i] || !lines_[i]->gone() || !host_.opened()) continue;
+      host_.Cut(static_cast<Line>(i), HostClock());
     }
     wake_.Clear();
     for (std::size_t i = 0; i < kCameraPorts; ++i) {

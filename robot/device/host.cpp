@@ -54,7 +54,7 @@ const wire::Decoder::Counts& Host::received(Line line) const {
   return lines_[static_cast<std::size_t>(line)].decoder.counts();
 }
 
-RunTime Host::RunClock(RunTime now) const { return lockstep_ ? newest_ : now - began_; }
+RunTime Host::RunClock(RunTime now) const { return lockstep_ ? settled_at_ : now - began_; }
 
 void Host::Receive(Line line, std::span<const wire::Byte> bytes, RunTime now) {
   LineState& state = At(line);
@@ -75,7 +75,7 @@ void Host::Handle(Line line, const wire::Frame& frame, RunTime now) {
   if (const auto* hello = std::get_if<wire::Hello>(&*message)) {
     Greet(line, *hello, frame.time, now);
   } else if (state.hello) {
-    if (lockstep_) newest_ = std::max(newest_, state.clock(frame.time));
+    if (line == Line::kController) newest_ = std::max(newest_, state.clock(frame.time));
     Take(line, *message, frame, now);
   }
 }
@@ -214,11 +214,20 @@ void Host::HandOver(Reading reading) {
 void Host::Cut(Line line, RunTime now) {
   LineState& state = At(line);
   if (std::exchange(state.down, true)) return;
-  TakeImages(RunClock(now));
-  Release();
+  if (line == Line::kLaser && lines_[0].down) return;  // the run is over as it is
+  SettleBeforeCut(line, now);
   for (auto& [sensor, continuity] : continuity_) {
     if ((sensor == Sensor::kLaser) != (line == Line::kLaser) || continuity.down()) continue;
     HandOver(continuity.GoDown(RunClock(now)));
+  }
+}
+
+void Host::SettleBeforeCut(Line line, RunTime now) {
+  if (!lockstep_) {
+    TakeImages(RunClock(now));
+    Release();
+  } else if (line == Line::kController) {
+    staged_.clear();
   }
 }
 
@@ -226,8 +235,7 @@ void Host::Cut(CameraPort camera, RunTime now) {
   if (std::exchange(camera_down_[static_cast<std::size_t>(camera)], true)) return;
   const auto watched = continuity_.find(SensorOf(camera));
   if (watched == continuity_.end() || watched->second.down()) return;
-  TakeImages(RunClock(now));
-  Release();
+  if (!lockstep_) SettleBeforeCut(Line::kController, now);
   HandOver(watched->second.GoDown(RunClock(now)));
 }
 
@@ -258,6 +266,7 @@ bool Host::Settled() const {
 std::optional<Reading> Host::Next(RunTime now) {
   WatchSilence(now);
   const bool settled = lockstep_ && !lines_[0].down && Settled();
+  if (settled) settled_at_ = newest_;
   if (!lockstep_ || settled) {
     TakeImages(RunClock(now));
     Release();

@@ -104,6 +104,9 @@ class Host {
   void Stage(RunTime captured_at, RunTime arrived_at, decltype(Reading::value) value,
              std::uint32_t lost_before);
   void Release();
+  /// Before a line's losses are told: hands over what came before them. In lockstep a step that is
+  /// not complete waits, or with the controller's line never was: how far it got is chance.
+  void SettleBeforeCut(Line line, RunTime now);
   void HandOver(Reading reading);
   void WatchSilence(RunTime now);
   [[nodiscard]] bool Settled() const;
@@ -125,9 +128,10 @@ class Host {
   std::optional<std::uint32_t> whole_turn_;
 
   bool lockstep_{};
-  RunTime began_{};     ///< on the host's clock
-  RunTime run_time_{};  ///< arrival of the last reading handed over
-  RunTime newest_{};    ///< lockstep: newest time on any line
+  RunTime began_{};       ///< on the host's clock
+  RunTime run_time_{};    ///< arrival of the last reading handed over
+  RunTime newest_{};      ///< newest time on the controller's line
+  RunTime settled_at_{};  ///< lockstep: time of the last step that was complete
   std::vector<Staged> staged_;
   std::deque<Reading> ready_;
 
