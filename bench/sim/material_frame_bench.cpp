@@ -22,8 +22,8 @@ network::Network StraightPipe(network::Material material, network::WallCondition
   }
   network::Pipe pipe;
   pipe.name = "pipe";
-  pipe.upstream = "up";
-  pipe.downstream = "down";
+  pipe.upstream = network.manholes[0].name;
+  pipe.downstream = network.manholes[1].name;
   pipe.diameter_m = 0.3;
   pipe.material = material;
   pipe.condition = condition;

@@ -87,11 +87,15 @@ TEST_F(RecordedMission, ReplaysToTheBitAndTellsWhereAnotherThresholdLeavesIt) {
   EXPECT_EQ(forged.code, 1);
   EXPECT_THAT(forged.text, testing::HasSubstr("first divergence at 0.0"));
 
-  // A mission whose commands are refused is broken off.
-  const Outcome refused = Kantaro(
-      fmt::format("run '{}' --seed 2 --hardware replay:alone.bag --out refused", kScenario));
+  // A mission whose commands are refused is broken off: this one drives slower than the recorded.
+  std::string slow = ReadInputFile(kScenario);
+  slow.replace(slow.find("../../models/kantaro"), 20, "robot");
+  WriteFileAtomically(folder_ / "slow.yaml", slow);
+  fs::copy(KANTARO_SOURCE_DIR "/tests/apps/short_network.yaml", folder_);
+  fs::copy(KANTARO_SOURCE_DIR "/models/materials.yaml", folder_);
+  const Outcome refused = Kantaro("run slow.yaml --hardware replay:alone.bag --out refused");
   EXPECT_EQ(refused.code, 1);
-  EXPECT_THAT(refused.text, testing::HasSubstr("The hardware refused every command since"));
+  EXPECT_THAT(refused.text, testing::HasSubstr("The hardware refused every command since 0."));
   EXPECT_THAT(refused.text, testing::HasSubstr("Not judged: no ground truth."));
 }
 

@@ -63,7 +63,9 @@ MissionTrace RunSafely(const Scenario& scenario) {
   const bool stopped = run.trace.ending.starts_with("The robot gave up: ");
   EXPECT_TRUE(run.result.verdict.passed || stopped) << story;
   const EstimateSample& last = run.trace.estimate.back();
-  if (last.phase == "failed") EXPECT_EQ(last.commanded_m_s, 0.0) << story;
+  if (last.phase == "failed") {
+    EXPECT_EQ(last.commanded_m_s, 0.0) << story;
+  }
   for (const TruthSample& truth : run.trace.truth)
     EXPECT_FALSE(truth.upper_box_contact) << truth.time_s << " s\n" << story;
   return run.trace;

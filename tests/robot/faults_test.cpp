@@ -62,7 +62,9 @@ std::vector<Reading> ReadAll(std::deque<Reading> readings, const std::vector<Fau
   std::vector<Reading> all;
   while (auto reading = faulted.Read()) {
     EXPECT_EQ(faulted.Now(), script.Now());
-    if (!all.empty()) EXPECT_LE(all.back().arrived_at, reading->arrived_at);
+    if (!all.empty()) {
+      EXPECT_LE(all.back().arrived_at, reading->arrived_at);
+    }
     EXPECT_LE(reading->captured_at, reading->arrived_at);
     all.push_back(*std::move(reading));
   }
@@ -130,7 +132,7 @@ TEST(Faulted, DropsAShareByChanceAndTheSameOnesForOneSeed) {
   const std::vector<Fault> faults{Of(Sensor::kEncoders, FaultKind::kDropped, 0.2)};
   const std::vector<double> first = Wheel(ReadAll(many, faults, 4));
   // 200 of 1000, standard deviation sqrt(1000 * 0.2 * 0.8) = 12.6
-  EXPECT_NEAR(std::count(first.begin(), first.end(), -1.0), 200, 51);
+  EXPECT_NEAR(static_cast<double>(std::count(first.begin(), first.end(), -1.0)), 200.0, 51.0);
   EXPECT_EQ(first, Wheel(ReadAll(many, faults, 4)));
   EXPECT_NE(first, Wheel(ReadAll(many, faults, 5)));
   const auto readings = ReadAll(TenOfEach(), {Of(Sensor::kEncoders, FaultKind::kDropped, 1.0)});

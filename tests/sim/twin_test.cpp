@@ -110,7 +110,9 @@ TEST_F(TwinTest, StopsAndSaysSoWhenTheBatteryIsEmpty) {
     EXPECT_TRUE(lost == 0 || loss) << "nothing speaks without power";
     lost += loss ? 1 : 0;
     at = reading->arrived_at;
-    if (loss) EXPECT_TRUE(std::get<robot::Loss>(reading->value).line_down);
+    if (loss) {
+      EXPECT_TRUE(std::get<robot::Loss>(reading->value).line_down);
+    }
   }
   EXPECT_EQ(lost, robot::kSensorCount);
   EXPECT_NEAR(Seconds(at), 1.3, 0.4);  // 1.04 mAh at 12 V are 45 J
