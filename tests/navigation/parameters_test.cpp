@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -23,7 +24,8 @@ std::filesystem::path Altered(const std::string& from, const std::string& to) {
   const auto at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   text.replace(at, from.size(), to);
-  const auto file = std::filesystem::path(testing::TempDir()) / "altered_navigation.yaml";
+  const auto file = std::filesystem::path(testing::TempDir()) /
+                    ("altered_navigation_" + std::to_string(getpid()) + ".yaml");
   WriteFileAtomically(file, text);
   return file;
 }

@@ -1,6 +1,7 @@
 #include "perception/parameters.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <string>
@@ -21,7 +22,8 @@ std::filesystem::path Altered(const std::string& from, const std::string& to) {
   const auto at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   text.replace(at, from.size(), to);
-  const auto file = std::filesystem::path(testing::TempDir()) / "altered_perception.yaml";
+  const auto file = std::filesystem::path(testing::TempDir()) /
+                    ("altered_perception_" + std::to_string(getpid()) + ".yaml");
   WriteFileAtomically(file, text);
   return file;
 }

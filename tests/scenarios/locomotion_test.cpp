@@ -139,7 +139,7 @@ TEST(DriveCourse, PassesTheHardestOfEachKind) {
 }
 
 TEST(LocomotionExperiment, GivesTheSameRowsOnOneThreadAndOnTwo) {
-  ExperimentOptions options{kRobot, 1, 1, {"straight"}, 1};
+  ExperimentOptions options{kRobot, 1, 1, {"straight"}, 1, {}, {}, {}};
   const nlohmann::ordered_json alone = LocomotionExperiment().run(options);
   options.jobs = 2;
   EXPECT_EQ(LocomotionExperiment().run(options), alone);
@@ -155,7 +155,7 @@ TEST(LocomotionExperiment, GivesTheSameRowsOnOneThreadAndOnTwo) {
 }
 
 TEST(LocomotionExperiment, RefusesACaseItDoesNotKnow) {
-  const ExperimentOptions options{kRobot, 1, 1, {"loop"}, 1};
+  const ExperimentOptions options{kRobot, 1, 1, {"loop"}, 1, {}, {}, {}};
   EXPECT_THROW((void)LocomotionExperiment().run(options), InputError);
 }
 
