@@ -35,7 +35,8 @@ const Pair& ThePair() {
     }
     cv::GaussianBlur(noise, smooth, {9, 9}, 2.0);
     cv::normalize(smooth, smooth, 0, 255, cv::NORM_MINMAX);
-    return Pair{smooth(cv::Rect(0, 0, 640, 480)).clone(), smooth(cv::Rect(20, 0, 640, 480)).clone()};
+    return Pair{smooth(cv::Rect(0, 0, 640, 480)).clone(),
+                smooth(cv::Rect(20, 0, 640, 480)).clone()};
   }();
   return pair;
 }
@@ -96,9 +97,10 @@ constexpr int kTurns = 7;
 
 const bool kRegistered = [] {
   for (const auto& [name, method] : Methods()) {
-    benchmark::RegisterBenchmark(name, [ours = Ours(method)](benchmark::State& state) {
-      Compare(state, ours);
-    })->Unit(benchmark::kMillisecond)->Iterations(kTurns);
+    benchmark::RegisterBenchmark(
+        name, [ours = Ours(method)](benchmark::State& state) { Compare(state, ours); })
+        ->Unit(benchmark::kMillisecond)
+        ->Iterations(kTurns);
   }
   return true;
 }();
