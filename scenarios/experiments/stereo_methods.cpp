@@ -21,7 +21,7 @@ StereoMethod OpenCvMethod(const std::string& name, const cv::Ptr<cv::StereoMatch
   return {name, "", [matcher](const cv::Mat& left, const cv::Mat& right) {
             cv::Mat sixteenths, disparity;
             matcher->compute(left, right, sixteenths);
-            sixteenths.convertTo(disparity, CV_32F, 1.0 / cv::StereoMatcher::DISP_SCALE);
+            sixteenths.convertTo(disparity, CV_32F, 1.0 / int{cv::StereoMatcher::DISP_SCALE});
             disparity.setTo(
                 std::numeric_limits<float>::quiet_NaN(),
                 sixteenths < matcher->getMinDisparity() * cv::StereoMatcher::DISP_SCALE);
