@@ -1,5 +1,4 @@
 # Every library the rooms link, found once. All are Debian 12 packages (scripts/packages.txt).
-find_package(PkgConfig REQUIRED)
 find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(yaml-cpp REQUIRED)
@@ -10,7 +9,9 @@ find_package(Boost REQUIRED)
 find_package(urdfdom REQUIRED)
 find_package(mujoco CONFIG REQUIRED)
 find_package(embree 3 REQUIRED)
-pkg_check_modules(osmesa REQUIRED IMPORTED_TARGET osmesa)
+# Headers alone: the program opens the library it draws with at run time.
+find_path(OSMESA_INCLUDE_DIR GL/osmesa.h REQUIRED)
+find_path(EGL_INCLUDE_DIR EGL/egl.h REQUIRED)
 
 # OpenCV's modules by their own small packages: its CMake package stands in libopencv-dev only, which
 # needs 210 more packages.

@@ -1,52 +1,44 @@
 #include "sim/offscreen_context.hpp"
 
-#include <GL/osmesa.h>
+#include <fmt/format.h>
 
+#include <cstdlib>
 #include <string>
 
-#if defined(__SANITIZE_ADDRESS__)
-// OSMesa never frees the bookkeeping of a context's buffer, about 200 bytes.
-extern "C" const char* __lsan_default_suppressions() { return "leak:libOSMesa.so"; }
-#endif
+#include "base/input_error.hpp"
 
 namespace kantaro::sim {
 namespace {
 
-OSMesaContext CreateContext() {
-  return OSMesaCreateContextExt(OSMESA_RGBA, /*depthBits=*/24, /*stencilBits=*/8, /*accumBits=*/0,
-                                nullptr);
+std::unique_ptr<OpenGl> OpenChosen() {
+  const char* given = std::getenv("KANTARO_GL");
+  const std::string name = given != nullptr ? given : "";
+  if (name.empty() || name == "osmesa") return OpenOsmesa();
+  if (name == "egl") return OpenEgl();
+  throw InputError("KANTARO_GL", {}, "", fmt::format("\"{}\" is none of osmesa, egl", name));
+}
+
+/// One for the whole process, as MuJoCo keeps one set of entry points. Never closed: worker threads
+/// of the library outlive main().
+OpenGl& Chosen() {
+  static OpenGl* const gl = OpenChosen().release();
+  return *gl;
 }
 
 }  // namespace
 
-OffscreenContext::OffscreenContext() : context_(CreateContext()) {
-  if (!context_)
-    throw RenderingUnavailable("cameras cannot be rendered: OSMesa gave no OpenGL context");
+OffscreenContext::OffscreenContext() : context_(Chosen().NewContext()) {
   const Current current(*this);
 }
 
-OffscreenContext::~OffscreenContext() = default;
+OffscreenContext::Current::Current(OffscreenContext& context) { context.context_->MakeCurrent(); }
 
-void OffscreenContext::Deleter::operator()(void* context) const {
-  OSMesaDestroyContext(static_cast<OSMesaContext>(context));
-}
+OffscreenContext::Current::~Current() { Chosen().Release(); }
 
-OffscreenContext::Current::Current(OffscreenContext& context) {
-  if (!OSMesaMakeCurrent(static_cast<OSMesaContext>(context.context_.get()), context.unused_buffer_,
-                         GL_UNSIGNED_BYTE, 16, 16)) {
-    throw RenderingUnavailable(
-        "cameras cannot be rendered: OSMesa's OpenGL context does not start");
-  }
-}
-
-OffscreenContext::Current::~Current() {
-  OSMesaMakeCurrent(nullptr, nullptr, GL_UNSIGNED_BYTE, 0, 0);
-}
-
-OffscreenContext::AnyFunction OffscreenContext::Find(const char* name) {
-  const AnyFunction function = OSMesaGetProcAddress(name);
+OpenGl::AnyFunction OffscreenContext::Find(const char* name) {
+  const OpenGl::AnyFunction function = Chosen().Find(name);
   if (function == nullptr) {
-    throw RenderingUnavailable(std::string("cameras cannot be rendered: OpenGL lacks ") + name);
+    throw RenderingUnavailable(fmt::format("cameras cannot be rendered: OpenGL lacks {}", name));
   }
   return function;
 }

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <cstddef>
 #include <memory>
 #include <stdexcept>
+
+#include "sim/open_gl.hpp"
 
 namespace kantaro::sim {
 
@@ -12,22 +13,22 @@ class RenderingUnavailable : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// An OpenGL context in memory: OSMesa, which needs neither display nor GPU.
+/// An OpenGL context in memory: OSMesa, which needs neither display nor GPU, or EGL where the
+/// environment variable KANTARO_GL is `egl`. All contexts of a process come from one of the two.
 ///
-/// Entry points come from the context itself; the program links no other OpenGL, because MuJoCo
-/// takes its own from whichever it finds first. A context may move between threads but is current
-/// on at most one.
+/// Entry points come from the context itself; the program links no OpenGL, because MuJoCo takes its
+/// own from whichever it finds first. A context may move between threads but is current on at most
+/// one.
 class OffscreenContext {
  public:
-  /// @throws RenderingUnavailable if OSMesa does not start.
+  /// @throws RenderingUnavailable if the library is absent or does not start.
+  /// @throws InputError if KANTARO_GL names no library that is known.
   OffscreenContext();
-  ~OffscreenContext();
-  OffscreenContext(const OffscreenContext&) = delete;
-  OffscreenContext& operator=(const OffscreenContext&) = delete;
 
   /// Current on this thread for as long as it lives.
   class Current {
    public:
+    /// @throws RenderingUnavailable
     explicit Current(OffscreenContext& context);
     ~Current();
     Current(const Current&) = delete;
@@ -41,15 +42,9 @@ class OffscreenContext {
   }
 
  private:
-  using AnyFunction = void (*)();
-  static AnyFunction Find(const char* name);
+  static OpenGl::AnyFunction Find(const char* name);
 
-  struct Deleter {
-    void operator()(void* context) const;
-  };
-  std::unique_ptr<void, Deleter> context_;
-  /// OSMesa insists on a buffer of its own; pictures are drawn in a framebuffer object instead.
-  alignas(16) std::byte unused_buffer_[16 * 16 * 4]{};
+  std::unique_ptr<OpenGl::Context> context_;
 };
 
 }  // namespace kantaro::sim
