@@ -16,6 +16,7 @@ using network::Network;
 using network::Pipe;
 
 constexpr double kFast_m_s = 0.15;   ///< straight ahead in a pipe: the thesis' 15 cm/s
+constexpr double kRunUp_m_s = 0.20;  ///< against a ring, which takes momentum where it is wet
 constexpr double kSpeed_m_s = 0.10;  ///< tread speed through bends and manholes
 constexpr double kTurn_m_s = 0.07;   ///< mean of both sides in a manhole's turn: 0.15 outside
 constexpr double kStart_m = 0.5;     ///< chainage where every course starts
@@ -167,6 +168,7 @@ const std::vector<double> kSizes_m{0.200, 0.250, 0.300, 0.350};
 
 std::vector<LocomotionCase> MakeCases() {
   const Profile over = Straight(kFast_m_s, 14.0);
+  const Profile run_up = Straight(kRunUp_m_s, 14.0);
   const Profile across = Straight(kSpeed_m_s, 25.0);
   return {
       {"straight", "a straight pipe, level", over, kSizes_m,
@@ -175,7 +177,7 @@ std::vector<LocomotionCase> MakeCases() {
        Turn(0.3, kSpeed_m_s, 0.4, 6.0, 16.0), kSizes_m,
        [](double d) { return Bend(d, Radians(45.0)); }},
       {"bend_90", "a bend of 90°, centre-line radius 1.5 diameters",
-       Turn(0.4, kSpeed_m_s, 0.5, 8.0, 16.0), kSizes_m,
+       Turn(0.5, kSpeed_m_s, 0.4, 10.0, 16.0), kSizes_m,
        [](double d) { return Bend(d, Radians(90.0)); }},
       {"tee_left", "from the through line of a tee into its branch on the left",
        Turn(0.36, kTurn_m_s, 1.1, 9.0, 18.0), kSizes_m,
@@ -203,9 +205,9 @@ std::vector<LocomotionCase> MakeCases() {
        [](double d) { return WithLump(d, 0.010); }},
       {"lump_20", "a lump 20 mm high and 60 mm wide in the left wheels' way", over, kSizes_m,
        [](double d) { return WithLump(d, 0.020); }},
-      {"ring_10", "a ring of mortar 10 mm high and 20 mm long, all round", over, kSizes_m,
+      {"ring_10", "a ring of mortar 10 mm high and 20 mm long, all round", run_up, kSizes_m,
        [](double d) { return WithRing(d, 0.010); }},
-      {"ring_20", "the same, 20 mm high", over, kSizes_m,
+      {"ring_20", "the same, 20 mm high", run_up, kSizes_m,
        [](double d) { return WithRing(d, 0.020); }, false},
       {"offset_up_10", "a joint, the next length 10 mm higher", over, kSizes_m,
        [](double d) { return WithOffset(d, 12.0); }},

@@ -177,7 +177,7 @@ TEST(Suspension, SettlesAtMidTravelUnderTheRobotsWeight) {
     mass += link.inertial->mass_kg;
     moment += link.inertial->mass_kg * (Robot().PoseInBase(link.name) * link.inertial->p_LoLcm_L);
   }
-  EXPECT_NEAR(mass, 3.6, 1e-9);
+  EXPECT_NEAR(mass, 3.2, 1e-9);
   EXPECT_NEAR(moment.x() / mass, 0.0, 0.001);  // or front and rear springs would differ
   EXPECT_NEAR(moment.y() / mass, 0.0, 1e-6);
   ASSERT_EQ(Robot().suspensions.size(), 4U);
