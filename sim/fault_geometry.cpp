@@ -469,12 +469,10 @@ std::vector<Visual> BuildFault(const network::PipeAxis& axis, double pipe_radius
 }
 
 std::vector<Visual> BuildJointRims(const network::PipeAxis& axis, double pipe_radius_m,
-                                   const network::Joint& joint, RandomStream& random) {
+                                   const network::Joint& joint, RandomStream& random,
+                                   const Look& look) {
   constexpr int kSteps = 72;
   const RolledWall wall(axis, pipe_radius_m, joint.chainage_m, 12.0);
-  const double tone = random.Uniform(0.7, 1.3);
-  const Look dirt =
-      RoughLook(static_cast<float>(tone) * Eigen::Vector3f(0.20f, 0.165f, 0.125f), 0.15f, 0.5f);
   std::vector<Visual> rims;
   for (const double side : {-1.0, 1.0}) {
     const Wobble edge(random, 1, 24);
@@ -486,7 +484,7 @@ std::vector<Visual> BuildJointRims(const network::PipeAxis& axis, double pipe_ra
       const double outer_m = inner_m + side * std::max(0.0015, 0.004 + 0.0018 * edge.At(angle));
       stations.push_back({{std::max(inner_m, outer_m), v}, {std::min(inner_m, outer_m), v}});
     }
-    rims.push_back(Band(wall, stations, kPaint_m, dirt));
+    rims.push_back(Band(wall, stations, kPaint_m, look));
   }
   return rims;
 }

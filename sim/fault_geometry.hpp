@@ -22,10 +22,10 @@ struct Visual {
 [[nodiscard]] std::vector<Visual> BuildFault(const network::PipeAxis& axis, double pipe_radius_m,
                                              const network::Fault& fault, RandomStream& random);
 
-/// The ragged dirt that collects on both sides of a joint's groove: what makes a joint a dark ring
-/// to a camera whose line of sight passes over the groove itself.
+/// The ragged mortar, scale or dirt on both sides of a joint's groove: what makes a joint a ring to
+/// a camera whose line of sight passes over the groove itself.
 [[nodiscard]] std::vector<Visual> BuildJointRims(const network::PipeAxis& axis,
                                                  double pipe_radius_m, const network::Joint& joint,
-                                                 RandomStream& random);
+                                                 RandomStream& random, const Look& look);
 
 }  // namespace kantaro::sim

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "base/random.hpp"
 
@@ -42,6 +43,10 @@ constexpr int kTile = 512;
 cv::Mat Grain(RandomStream& random) { return Noise(random, {kTile, kTile}, {kTile, kTile}); }
 cv::Mat FineGrain(RandomStream& random, int cells) {
   return Noise(random, {kTile, kTile}, {cells, cells});
+}
+/// Grains drawn out along the pipe, as flow and jets leave them.
+cv::Mat LongGrain(RandomStream& random, int cells) {
+  return Noise(random, {kTile, kTile}, {cells / 4, cells});
 }
 
 /// Reads a layer as the numbers it stands for.
@@ -137,6 +142,7 @@ float Ramp(float value, float low, float high) {
 struct Texel {
   float albedo{};     ///< 0 … 1
   float height_px{};  ///< in texels, so that differences are slopes
+  float soil{};       ///< 0 … 1
 };
 
 std::uint8_t ToByte(float value) {
@@ -148,71 +154,84 @@ std::uint8_t ToByte(float value) {
 template <typename SetRowFunction, typename TexelFunction>
 cv::Mat Pack(cv::Size size, const SetRowFunction& set_row, const TexelFunction& texel) {
   cv::Mat packed(size, CV_8UC3);
-  cv::Mat height_px(size, CV_32F);
+  std::vector<float> height_px(static_cast<std::size_t>(size.width));
   for (int row = 0; row < size.height; ++row) {
     set_row(row);
     auto* to = packed.ptr<cv::Vec3b>(row);
-    auto* height = height_px.ptr<float>(row);
     for (int col = 0; col < size.width; ++col) {
       const Texel t = texel(col);
       to[col][0] = ToByte(255.0f * std::max(t.albedo, 0.03f));
-      height[col] = t.height_px;
+      to[col][2] = ToByte(255.0f * t.soil);
+      height_px[static_cast<std::size_t>(col)] = t.height_px;
     }
-  }
-  for (int row = 0; row < size.height; ++row) {
-    const auto* above = height_px.ptr<float>((row + size.height - 1) % size.height);
-    const auto* here = height_px.ptr<float>(row);
-    const auto* below = height_px.ptr<float>((row + 1) % size.height);
-    auto* to = packed.ptr<cv::Vec3b>(row);
+    const int last = size.width - 1;  // a power of two less one
     for (int col = 0; col < size.width; ++col) {
-      const float left = here[(col + size.width - 1) & (size.width - 1)];
-      const float right = here[(col + 1) & (size.width - 1)];
-      to[col][1] = ToByte(128.0f + 0.5f * 127.0f * (right - left));
-      to[col][2] = ToByte(128.0f + 0.5f * 127.0f * (below[col] - above[col]));
+      const float behind = height_px[static_cast<std::size_t>((col + last) & last)];
+      const float ahead = height_px[static_cast<std::size_t>((col + 1) & last)];
+      to[col][1] = ToByte(128.0f + 0.5f * 127.0f * (ahead - behind));
     }
   }
   return packed;
 }
 
-/// A used plastic pipe: blotches, scale, scratches along it, drips down its sides, and at the
-/// invert the dark deposit with its ragged rim where the water stands, above which stains fade.
-cv::Mat PipeWall(RandomStream& random, float contrast) {
+/// How a pipe's wall differs from another's.
+struct WallKind {
+  float grain;   ///< contrast of its grains, 1 as on concrete
+  float stains;  ///< how far and how deep it is stained above the deposit, likewise
+  int pits;      ///< number of dark ones
+};
+
+/// A used pipe: blotches, scale, grains drawn out along it, scratches, drips down its sides, brown
+/// stains that fade upward, and at the invert the dark deposit with its ragged rim where the water
+/// stands.
+cv::Mat PipeWall(RandomStream& random, float contrast, const WallKind& kind) {
   const cv::Size size(4096, 2048);
-  NoiseAt grain(Grain(random)), fine(FineGrain(random, kTile / 4)),
-      mottle(Noise(random, size, {256, 128}));
+  NoiseAt grain(Grain(random)), fine(LongGrain(random, kTile / 4)),
+      coarse(LongGrain(random, kTile / 8));
+  NoiseAt mottle(Noise(random, size, {128, 128}));
   NoiseAt blotches(Noise(random, size, {16, 8})), patches(Noise(random, size, {64, 32}));
   NoiseAt drips(Noise(random, size, {512, 8})), streaks(Noise(random, size, {8, 128}));
-  NoiseAt level(Noise(random, {size.width, 8}, {8, 1}));
+  NoiseAt level(Noise(random, {size.width, 8}, {8, 1})), tongues(Noise(random, size, {64, 16}));
   level.Row(0);
-  MaskAt pale(Specks(random, size, 2500, 1.0, 7.0)), dark(Specks(random, size, 3500, 0.8, 9.0));
+  MaskAt pale(Specks(random, size, 2500, 1.0, 7.0)),
+      dark(Specks(random, size, kind.pits, 1.0, 11.0));
   MaskAt scratches(Scratches(random, size, 500, 600.0, 0.06));
 
   float turns_from_invert = 0.0f;
   const auto set_row = [&](int row) {
-    SetRow(row, grain, fine, mottle, blotches, patches, drips, streaks, pale, dark, scratches);
+    SetRow(row, grain, fine, coarse, mottle, blotches, patches, drips, streaks, tongues, pale, dark,
+           scratches);
     turns_from_invert =
         std::abs((static_cast<float>(row) + 0.5f) / static_cast<float>(size.height) - 0.5f);
   };
   const auto texel = [&](int col) -> Texel {
     const float cloud = blotches[col] + 0.7f * patches[col];
     const float drip = Ramp(drips[col] + 0.5f * cloud, 0.9f, 3.0f);
-    const float wall =
-        0.72f +
-        contrast * (0.05f * cloud + 0.04f * mottle[col] + 0.035f * fine[col] + 0.05f * grain[col] -
-                    0.16f * drip + 0.16f * pale[col] - 0.26f * dark[col] - 0.12f * scratches[col]);
+    const float grainy = kind.grain * (0.075f * fine[col] + 0.065f * coarse[col]);
+    const float wall = 0.72f + contrast * (0.05f * cloud + 0.04f * mottle[col] + grainy +
+                                           0.04f * grain[col] - 0.10f * drip + 0.18f * pale[col] -
+                                           0.34f * dark[col] - 0.10f * scratches[col]);
     const float bed =
-        0.25f + contrast * (0.035f * streaks[col] + 0.04f * cloud + 0.03f * mottle[col] +
-                            0.04f * fine[col] + 0.05f * grain[col] + 0.25f * pale[col]);
+        0.25f + contrast * (0.05f * streaks[col] + 0.04f * cloud + 0.03f * mottle[col] +
+                            0.05f * fine[col] + 0.04f * grain[col] + 0.45f * pale[col] * pale[col]);
     const float above =
         turns_from_invert - 0.095f -
         contrast * (0.010f * level[col] + 0.004f * mottle[col] + 0.003f * fine[col]);
-    const float stained =
-        1.0f - 0.32f * contrast * (1.0f - Ramp(above, 0.0f, 0.11f)) * (1.0f + 0.3f * cloud);
+    // Stains: deepest at the water's edge, in tongues upward, gone by the springing line.
+    const float ragged = 0.012f * tongues[col] + 0.012f * streaks[col] + 0.03f * blotches[col];
+    const float stain = 1.0f - Ramp(above - contrast * ragged, -0.02f, 0.22f);
+    const float soil_of_wall =
+        contrast * (kind.stains * (0.08f + 0.46f * stain + 0.05f * Ramp(cloud, 0.0f, 2.0f)) +
+                    0.15f * drip + 0.18f * dark[col] + 0.05f * stain * fine[col]);
+    const float stained = 1.0f - 0.22f * contrast * stain * (1.0f + 0.3f * cloud);
     const float rim = (1.0f - Ramp(std::abs(above), 0.0f, 0.008f)) * (1.0f + 0.5f * fine[col]);
     const float dry = Ramp(above, -0.006f, 0.006f);
+    const float soil_of_bed = contrast * (0.88f + 0.06f * streaks[col] - 0.55f * pale[col]);
     return {bed + (wall * stained - bed) * dry - 0.13f * contrast * rim,
-            contrast * (0.4f * grain[col] + 0.8f * fine[col] + 1.5f * mottle[col] +
-                        2.0f * pale[col] + 0.8f * rim)};
+            contrast * (0.3f * grain[col] + 1.5f * mottle[col] + 2.0f * pale[col] -
+                        2.0f * kind.grain * dark[col] + 0.8f * rim +
+                        (0.3f + 0.5f * kind.grain) * (fine[col] + 1.4f * coarse[col])),
+            soil_of_bed + (soil_of_wall - soil_of_bed) * dry};
   };
   return Pack(size, set_row, texel);
 }
@@ -229,7 +248,8 @@ cv::Mat Concrete(RandomStream& random, float contrast) {
     return {
         0.66f + contrast * (0.05f * grain[col] + 0.05f * sand[col] + 0.035f * unevenness +
                             0.03f * runs[col] - 0.22f * pores[col] + 0.08f * stones[col]),
-        contrast * (0.8f * grain[col] + 1.8f * sand[col] + 3.0f * unevenness - 3.0f * pores[col])};
+        contrast * (0.8f * grain[col] + 1.8f * sand[col] + 3.0f * unevenness - 3.0f * pores[col]),
+        contrast * (0.12f + 0.10f * clouds[col] + 0.08f * runs[col] + 0.2f * pores[col])};
   };
   return Pack(
       size, [&](int row) { SetRow(row, grain, sand, mottle, clouds, runs, pores, stones); }, texel);
@@ -241,7 +261,8 @@ cv::Mat Rough(RandomStream& random, float contrast) {
   const auto texel = [&](int col) -> Texel {
     const float lumpy = lumps[col] + 0.6f * grit[col];
     return {0.6f + contrast * (0.09f * grain[col] + 0.10f * lumpy),
-            contrast * (0.8f * grain[col] + 4.0f * lumpy)};
+            contrast * (0.8f * grain[col] + 4.0f * lumpy),
+            contrast * 0.3f * Ramp(-lumpy, 0.0f, 2.0f)};
   };
   return Pack(
       {kTile, kTile}, [&](int row) { SetRow(row, grain, lumps, grit); }, texel);
@@ -269,10 +290,10 @@ cv::Mat Slime(RandomStream& random, float contrast) {
                                            0.04f * fine[col] + 0.05f * grain[col]);
     const float slime = 0.24f + contrast * (0.05f * clouds[col] + 0.05f * lumps[col] +
                                             0.03f * mottle[col] + 0.02f * fine[col]);
-    return {
-        wall + (slime - wall) * cover,
-        contrast * (0.3f * grain[col] * (1.0f - cover) +
-                    cover * (2.5f * lumps[col] + 1.8f * mottle[col] + 0.5f * fine[col] + 1.0f))};
+    return {wall + (slime - wall) * cover,
+            contrast * (0.3f * grain[col] * (1.0f - cover) +
+                        cover * (2.5f * lumps[col] + 1.8f * mottle[col] + 0.5f * fine[col] + 1.0f)),
+            contrast * (0.15f + 0.45f * cover + 0.08f * clouds[col])};
   };
   return Pack(size, set_row, texel);
 }
@@ -290,8 +311,9 @@ cv::Mat Gravel(RandomStream& random, float contrast) {
   const auto texel = [&](int col) -> Texel {
     return {0.55f + contrast * (0.10f * grain[col] + 0.06f * sand[col] + 0.05f * hollows[col] +
                                 0.45f * (tones[col] - 0.4f) * Ramp(tones[col], 0.1f, 0.3f)),
-            contrast * (1.0f * grain[col] + 1.2f * sand[col] + 3.0f * hollows[col] +
-                        14.0f * heights[col])};
+            contrast *
+                (1.0f * grain[col] + 1.2f * sand[col] + 3.0f * hollows[col] + 14.0f * heights[col]),
+            contrast * (0.30f + 0.2f * hollows[col] - 0.3f * tones[col])};
   };
   return Pack(
       size, [&](int row) { SetRow(row, grain, sand, hollows, tones, heights); }, texel);
@@ -301,11 +323,11 @@ Look DryLook(network::Material material) {
   using network::Material;
   switch (material) {
     case Material::kPvc:
-      return {Pattern::kPipeWall, {0.80f, 0.76f, 0.67f}, 0.30f, 0.15f};
+      return {Pattern::kPipeWall, {0.80f, 0.73f, 0.60f}, 0.30f, 0.15f};
     case Material::kClay:
-      return {Pattern::kPipeWall, {0.62f, 0.33f, 0.19f}, 0.55f, 0.20f};
+      return {Pattern::kPipeWall, {0.78f, 0.33f, 0.13f}, 0.45f, 0.20f};
     case Material::kConcrete:
-      return {Pattern::kPipeWall, {0.62f, 0.58f, 0.50f}, 0.12f, 0.3f};
+      return {Pattern::kRoughPipe, {0.74f, 0.55f, 0.38f}, 0.12f, 0.6f};
     case Material::kLined:
       return {Pattern::kPipeWall, {0.86f, 0.87f, 0.80f}, 0.50f, 0.1f};
   }
@@ -318,7 +340,7 @@ Look Moistened(Look look, network::WallCondition condition, bool porous) {
     case network::WallCondition::kDry:
       break;
     case network::WallCondition::kWet:
-      look.colour *= porous ? 0.62f : 0.80f;
+      look.colour *= porous ? 0.72f : 0.85f;
       look.gloss = std::max(look.gloss, 0.6f);
       look.relief = std::max(look.relief, 0.2f);
       look.film = 1.0f;
@@ -340,7 +362,11 @@ cv::Mat MakePattern(Pattern pattern, std::uint64_t seed, double contrast) {
   switch (pattern) {
     case Pattern::kPipeWall: {
       RandomStream random(seed, "texture pipe wall");
-      return PipeWall(random, strength);
+      return PipeWall(random, strength, {0.25f, 0.55f, 2000});
+    }
+    case Pattern::kRoughPipe: {
+      RandomStream random(seed, "texture rough pipe");
+      return PipeWall(random, strength, {1.0f, 1.0f, 5000});
     }
     case Pattern::kConcrete: {
       RandomStream random(seed, "texture concrete");
@@ -371,9 +397,9 @@ Look ObstacleLook(network::ObstacleKind kind, network::WallCondition condition) 
   const auto dry = [&]() -> Look {
     switch (kind) {
       case network::ObstacleKind::kSediment:
-        return {Pattern::kGravel, {0.50f, 0.41f, 0.29f}, 0.05f, 0.8f};
+        return {Pattern::kGravel, {0.44f, 0.37f, 0.28f}, 0.05f, 0.8f};
       case network::ObstacleKind::kStone:
-        return {Pattern::kRough, {0.50f, 0.48f, 0.45f}, 0.10f, 0.5f};
+        return {Pattern::kRough, {1.0f, 0.86f, 0.66f}, 0.15f, 0.6f};
       case network::ObstacleKind::kMortarRidge:
         return {Pattern::kConcrete, {0.72f, 0.70f, 0.66f}, 0.05f, 0.6f};
       case network::ObstacleKind::kBrick:
@@ -382,6 +408,22 @@ Look ObstacleLook(network::ObstacleKind kind, network::WallCondition condition) 
     return {};
   };
   return Moistened(dry(), condition, true);
+}
+
+Look JointLook(network::Material material, network::WallCondition condition, double draw) {
+  constexpr double kPale = 0.7;  // share of joints
+  Look look = DryLook(material);
+  look.pattern = Pattern::kRough;
+  look.relief = 0.5f;
+  if (draw < kPale) {
+    // The pattern's mean albedo is 0.6 where a wall's is 0.72.
+    const auto scale = static_cast<float>(1.15 + 0.45 * draw / kPale);
+    look.colour = scale * (0.7f * look.colour + 0.3f * Eigen::Vector3f(0.85f, 0.78f, 0.62f));
+  } else {
+    look.colour =
+        static_cast<float>(1.0 - 1.6 * (draw - kPale)) * Eigen::Vector3f(0.20f, 0.15f, 0.10f);
+  }
+  return Moistened(look, condition, false);
 }
 
 Look StubLook(network::WallCondition condition) {

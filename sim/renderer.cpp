@@ -16,6 +16,7 @@
 
 #include "sim/mujoco_error.hpp"
 #include "sim/offscreen_context.hpp"
+#include "sim/shaders.hpp"
 
 namespace kantaro::sim {
 namespace {
@@ -25,221 +26,7 @@ using Eigen::Vector3d;
 constexpr double kNear_m = 0.02;
 /// Sent back where nothing at all shines, as a share of full scale: the sensor's black level.
 constexpr double kBlack = 0.03;
-
-// GLSL 1.20: MuJoCo 2.2 draws with OpenGL's fixed pipeline and binds no program of its own, so a
-// program bound before mjr_render shades every one of its draws. E is OpenGL's eye frame: x right,
-// y up, z backward.
-constexpr const char* kVersion = "#version 120\n";
-constexpr const char* kVertexShader = R"(
-varying vec3 p_E;
-varying vec3 normal_E;
-varying vec2 texel;
-void main() {
-  vec4 p = gl_ModelViewMatrix * gl_Vertex;
-  p_E = p.xyz;
-  normal_E = mat3(gl_ModelViewMatrix) * gl_Normal;
-  texel = gl_MultiTexCoord0.xy;
-  gl_Position = gl_ProjectionMatrix * p;
-}
-)";
-
-// Lamps sit a few centimetres apart: each has its own fall-off and shading, while the lobe and the
-// highlight are taken for all at their middle, which halves the work. LAMPS is defined before this
-// text, so that the loop unrolls.
-constexpr const char* kLampShader = R"(
-varying vec3 p_E;
-varying vec3 normal_E;
-varying vec2 texel;
-uniform sampler2D pattern;   // albedo, slope along texel.x, slope along texel.y
-uniform vec3 p_ELamp[LAMPS];
-uniform vec3 p_EMiddle;      // of the lamps
-uniform vec3 direction_E;    // of the lamps
-uniform float radiance;      // of each lamp at 1 m
-uniform float reach;
-
-// How far the pattern's slopes lean the wall's normal; where they point follows from the screen's derivatives.
-vec3 Lean(vec3 normal, vec2 slope) {
-  vec3 r_x = cross(dFdy(p_E), normal);
-  vec3 r_y = cross(normal, dFdx(p_E));
-  vec2 dt_x = dFdx(texel);
-  vec2 dt_y = dFdy(texel);
-  vec3 along = r_x * dt_x.x + r_y * dt_y.x;
-  vec3 around = r_x * dt_x.y + r_y * dt_y.y;
-  float scale = inversesqrt(max(max(dot(along, along), dot(around, around)), 1e-20));
-  return scale * (slope.x * along + slope.y * around);
-}
-
-void main() {
-  vec3 texture = texture2D(pattern, texel).rgb;
-  float albedo = texture.r;
-  float gloss = gl_FrontMaterial.specular.r;
-  float relief = gl_FrontMaterial.shininess / 128.0;
-  vec3 lean = Lean(normal_E, 2.0 * relief * (texture.gb - 128.0 / 255.0));
-  vec3 normal = normalize(normal_E - lean);
-  vec3 mirrored = reflect(normalize(p_E), normal);
-  vec3 to_middle = normalize(p_EMiddle - p_E);
-
-  float diffuse = 0.0;
-  float light = 0.0;
-  for (int i = 0; i < LAMPS; ++i) {
-    vec3 to_lamp = p_ELamp[i] - p_E;
-    float fall_off = 1.0 / dot(to_lamp, to_lamp);
-    // The bright tube sends light round corners: a little arrives from everywhere.
-    diffuse += fall_off * (0.92 * sqrt(fall_off) * max(dot(normal, to_lamp), 0.0) + 0.08);
-    light += fall_off;
-  }
-  float highlight = max(dot(mirrored, to_middle), 0.0);
-  highlight *= highlight; highlight *= highlight; highlight *= highlight;
-  // LEDs behind a diffuser: brightest to the front, some light to the sides, none backward.
-  float lobe = max(0.0, 0.25 - 0.75 * dot(to_middle, direction_E));
-  float fade = clamp(1.0 + p_E.z / reach, 0.0, 1.0);
-  // Soil is brown, dark and wet; clean wall has the material's own colour.
-  vec3 soiled = mix(vec3(1.0, 0.84, 0.66), vec3(1.0), smoothstep(0.25, 0.72, albedo));
-  float wet = 1.0 - smoothstep(0.25, 0.45, albedo);
-  vec3 sent = gl_FrontMaterial.diffuse.rgb * soiled * albedo * diffuse + gloss * (0.3 + wet) * highlight * light;
-#ifdef FILM
-  // Drops and runs stand out more than the wall below them, and mirror the lamps sharply.
-  vec3 drop = normalize(normal_E - 3.0 / max(relief, 0.05) * lean);
-  float spark = max(dot(reflect(normalize(p_E), drop), to_middle), 0.0);
-  spark *= spark; spark *= spark; spark *= spark; spark *= spark; spark *= spark;
-  sent += gl_FrontMaterial.emission.r / max(gl_FrontMaterial.diffuse.r, 0.01) * spark * light;
-#endif
-  gl_FragColor = vec4(sqrt(1.0 - exp(-radiance * lobe * fade * sent)), 1.0);
-}
-)";
-
-// Water, drawn over the finished frame. What shows through it is the frame itself, looked up where
-// the bent ray meets the bed; what it mirrors is the frame where the mirrored ray meets the wall
-// around, taken as round, or that wall's plain shade where the frame does not show it.
-// texel: wall_axis is gl_MultiTexCoord0, p_VAxis gl_MultiTexCoord1, along and left
-// gl_MultiTexCoord2.
-constexpr const char* kWaterVertexShader = R"(
-varying vec3 p_E;
-varying vec3 normal_E;
-varying vec3 axis_E;
-varying vec3 to_axis_E;
-varying vec2 place;
-void main() {
-  mat3 R_EW = mat3(gl_ModelViewMatrix);
-  vec4 p = gl_ModelViewMatrix * gl_Vertex;
-  p_E = p.xyz;
-  normal_E = R_EW * gl_Normal;
-  axis_E = R_EW * gl_MultiTexCoord0.xyz;
-  to_axis_E = R_EW * gl_MultiTexCoord1.xyz;
-  place = gl_MultiTexCoord2.xy;
-  gl_Position = gl_ProjectionMatrix * p;
-}
-)";
-constexpr const char* kWaterShader = R"(
-varying vec3 p_E;
-varying vec3 normal_E;
-varying vec3 axis_E;
-varying vec3 to_axis_E;
-varying vec2 place;          // along the way and left of it [m]
-uniform sampler2D frame;     // what was drawn so far, as displayed
-uniform vec2 frame_share;    // of the texture that the frame fills
-uniform vec3 p_ELamp[LAMPS];
-uniform vec3 p_EMiddle;
-uniform vec3 direction_E;
-uniform float radiance;
-uniform float reach;
-uniform float wall_radius;
-uniform float bed_radius;
-uniform float depth;         // over the invert
-
-const float kIndex = 1.33;
-const vec3 kAbsorbed = vec3(6.0, 7.5, 11.0);   // per metre: grey water, a little brown
-const vec3 kMurk = vec3(0.12, 0.105, 0.07);     // what a deep layer sends back
-
-vec3 Shown(vec3 p) {
-  vec4 clip = gl_ProjectionMatrix * vec4(p, 1.0);
-  vec2 at = clamp(0.5 + 0.5 * clip.xy / clip.w, 0.002, 0.998);
-  vec3 c = min(texture2D(frame, at * frame_share).rgb, 0.996);
-  return -log(1.0 - c * c);
-}
-
-// 1 where the frame shows this point, fading to 0 at its rim.
-float InFrame(vec3 p) {
-  vec4 clip = gl_ProjectionMatrix * vec4(p, 1.0);
-  vec2 inside = 1.0 - abs(clip.xy / max(clip.w, 0.001));
-  return step(p.z, -0.03) * smoothstep(0.0, 0.08, min(inside.x, inside.y));
-}
-
-float Lobe(vec3 to_middle) { return max(0.0, 0.25 - 0.75 * dot(to_middle, direction_E)); }
-
-// Light that arrives at a point of a surface from all lamps, as if from their middle.
-float Arriving(vec3 p, vec3 normal) {
-  vec3 to_middle = p_EMiddle - p;
-  float fall_off = 1.0 / dot(to_middle, to_middle);
-  to_middle *= sqrt(fall_off);
-  float fade = clamp(1.0 + p.z / reach, 0.0, 1.0);
-  return float(LAMPS) * radiance * Lobe(to_middle) * fade * fall_off *
-         (0.92 * max(dot(normal, to_middle), 0.0) + 0.08);
-}
-
-// Slopes of slow, shallow ripples; they blur with distance, where a pixel holds many.
-vec2 Ripples(vec2 at) {
-  vec2 slope = 0.007 * vec2(0.9, 0.45) * cos(dot(at, vec2(110.0, 55.0)) + 2.0 * sin(7.0 * at.x))
-             + 0.005 * vec2(0.8, -0.6) * cos(dot(at, vec2(190.0, -140.0)) + 1.5 * sin(13.0 * at.x + 1.0))
-             + 0.004 * vec2(0.3, 0.95) * cos(dot(at, vec2(95.0, 310.0)) + 3.0)
-             + 0.010 * vec2(1.0, 0.1) * cos(dot(at, vec2(38.0, 6.0)));
-  return slope / (1.0 + 0.8 * p_E.z * p_E.z);
-}
-
-void main() {
-  vec3 up = normalize(normal_E);
-  vec3 seen = normalize(p_E);
-  vec3 left = normalize(cross(up, axis_E) + 0.0001 * dFdx(p_E));
-  vec3 along = cross(left, up);
-  vec2 slope = Ripples(place);
-  vec3 normal = normalize(up - slope.x * along - slope.y * left);
-  float facing = clamp(-dot(seen, normal), 0.02, 1.0);
-  float mirrors = 0.02 + 0.98 * pow(1.0 - facing, 5.0);
-
-  vec3 mirrored = reflect(seen, normal);
-  mirrored += max(0.0, 0.02 - dot(mirrored, up)) * up;
-  vec3 from_axis = -to_axis_E - axis_E * dot(-to_axis_E, axis_E);
-  vec3 across = mirrored - axis_E * dot(mirrored, axis_E);
-  float a = max(dot(across, across), 1e-4);
-  float b = dot(from_axis, across);
-  float c = dot(from_axis, from_axis) - wall_radius * wall_radius;
-  float way = (sqrt(max(b * b - a * c, 0.0)) - b) / a;
-  vec3 wall = p_E + way * mirrored;
-  vec3 plain = vec3(0.42, 0.38, 0.32) * Arriving(wall, -normalize(from_axis + way * across));
-  vec3 mirror = mix(plain, Shown(wall), InFrame(wall));
-
-  vec3 bent = refract(seen, normal, 1.0 / kIndex);
-  float under = max(depth - place.y * place.y / (2.0 * bed_radius), 0.0);
-  float path = under / max(-dot(bent, up), 0.3);
-  vec3 through = exp(-kAbsorbed * (path + under));
-  vec3 bed = mix(Shown(p_E), Shown(p_E + path * bent), InFrame(p_E + path * bent));
-  vec3 murk = kMurk * Arriving(p_E, up) * (1.0 - through);
-
-  // The lamps themselves, mirrored: sharp, and drawn out by the ripples.
-  float glint = 0.0;
-  for (int i = 0; i < LAMPS; ++i) {
-    vec3 to_lamp = p_ELamp[i] - p_E;
-    float fall_off = 1.0 / dot(to_lamp, to_lamp);
-    glint += fall_off * pow(max(dot(mirrored, to_lamp * sqrt(fall_off)), 0.0), 300.0);
-  }
-  glint *= radiance * Lobe(normalize(p_EMiddle - p_E));
-  vec3 sent = (1.0 - mirrors) * (bed * through + murk) + mirrors * (mirror + 40.0 * glint);
-  gl_FragColor = vec4(sqrt(1.0 - exp(-sent)), 1.0);
-}
-)";
-
-// Depth as 24 bits over twice the reach, independent of how MuJoCo sets up its depth buffer.
-constexpr const char* kDepthShader = R"(
-varying vec3 p_E;
-uniform float reach;
-void main() {
-  float depth = -p_E.z / (2.0 * reach) * 255.0;
-  float high = floor(depth);
-  float middle = floor((depth - high) * 256.0);
-  float low = floor((depth - high - middle / 256.0) * 65536.0);
-  gl_FragColor = vec4(high / 255.0, middle / 255.0, low / 255.0, 1.0);
-}
-)";
+constexpr std::array<double, 3> kVeilColour{1.15, 0.93, 1.03};  ///< blue, green, red
 
 /// The OpenGL calls that this file makes itself.
 struct Gl {
@@ -339,12 +126,18 @@ class Pyramid {
   std::array<Vector3d, 4> inward_C_;
 };
 
-/// From the shader's output to the camera's: room for the black level.
-std::array<std::uint8_t, 256> ToneTable() {
-  std::array<std::uint8_t, 256> tone{};
+/// From the shader's output to the camera's, blue, green and red: the air's veil, and room for the
+/// black level. Done here, so that pixels that nothing fills agree with unlit ones.
+std::array<cv::Vec3b, 256> ToneTable(double brightness) {
+  std::array<cv::Vec3b, 256> tone{};
   for (std::size_t i = 0; i < tone.size(); ++i) {
-    tone[i] = static_cast<std::uint8_t>(
-        std::lround(255.0 * kBlack + static_cast<double>(i) * (1.0 - kBlack)));
+    const double shown = static_cast<double>(i) / 255.0;
+    const double radiance = -std::log1p(-std::min(shown * shown, 1.0 - 1e-6));
+    for (int channel = 0; channel < 3; ++channel) {
+      const double veil = Renderer::kVeil * kVeilColour[static_cast<std::size_t>(channel)];
+      tone[i][channel] =
+          cv::saturate_cast<std::uint8_t>(255.0 * Response(radiance + brightness * veil));
+    }
   }
   return tone;
 }
@@ -410,14 +203,13 @@ class Renderer::Impl {
     if (const auto sheets = VisibleWater(view); !sheets.empty()) DrawWater(view, lamps, sheets);
     const cv::Mat& pixels = ReadBack(view);
     cv::Mat image(pixels.size(), CV_8UC3);
-    // OpenGL's rows run upward. The black level is added here, so that empty and unlit pixels
-    // agree.
-    static const std::array<std::uint8_t, 256> tone = ToneTable();
+    const auto tone = ToneTable(lamps.p_WLamp.empty() ? 0.0 : lamps.brightness);
+    // OpenGL's rows run upward.
     for (int row = 0; row < image.rows; ++row) {
       const auto* from = pixels.ptr<cv::Vec4b>(image.rows - 1 - row);
       auto* to = image.ptr<cv::Vec3b>(row);
       for (int col = 0; col < image.cols; ++col) {
-        to[col] = {tone[from[col][0]], tone[from[col][1]], tone[from[col][2]]};
+        to[col] = {tone[from[col][0]][0], tone[from[col][1]][1], tone[from[col][2]][2]};
       }
     }
     // No lens is sharper than a pixel; without this, edges would be jagged.
@@ -601,7 +393,7 @@ class Renderer::Impl {
   }
 
   /// Walls 0.3 to 0.6 m ahead of the nominal lamps come out mid-grey.
-  static constexpr double kExposure = 0.25;
+  static constexpr double kExposure = 0.31;
 
   std::shared_ptr<const Scenery> scenery_;
   RendererOptions options_;

@@ -62,6 +62,9 @@ class Renderer {
   /// Walls farther than this from the camera are not drawn [m]; the light has faded to nothing by
   /// then.
   static constexpr double kReach_m = 6.0;
+  /// Radiance that damp air and a dirty lens send back from everywhere when the lamps are at full
+  /// brightness: photographs from sewers are nowhere black.
+  static constexpr double kVeil = 0.007;
 
  private:
   class Impl;

@@ -59,12 +59,28 @@ Paint PaintOfSolid(const Sewer& sewer, std::size_t index, const SceneryOptions& 
   return paint;
 }
 
+/// Pipes of one material age apart, some paler, some browner.
+void VaryPipe(Paint& paint, const network::Pipe& pipe, const SceneryOptions& options) {
+  RandomStream random(options.seed, "tone " + pipe.name);
+  const double tone = 1.0 + options.texture_contrast * random.Uniform(-0.22, 0.10);
+  const double warmth = options.texture_contrast * random.Uniform(-0.10, 0.10);
+  paint.look.colour.x() *= static_cast<float>(tone * (1.0 + 0.6 * warmth));
+  paint.look.colour.y() *= static_cast<float>(tone);
+  paint.look.colour.z() *= static_cast<float>(tone * (1.0 - 1.4 * warmth));
+}
+
 /// Of a manhole's channels: as wet as its wettest pipe.
 network::WallCondition ConditionIn(const network::Network& network, std::size_t manhole) {
   network::WallCondition condition{};
   for (const std::size_t i : network.PipesAt(network.manholes[manhole].name))
     condition = std::max(condition, network.pipes[i].condition);
   return condition;
+}
+
+/// A groove's and its rims' alike.
+Look LookOfJoint(const network::Pipe& pipe, std::size_t joint, const SceneryOptions& options) {
+  RandomStream random(options.seed, fmt::format("joint look {} {}", pipe.name, joint));
+  return JointLook(pipe.material, pipe.condition, random.Uniform(0.0, 1.0));
 }
 
 /// @param index  a number of a primitive, as in SurfaceMesh
@@ -81,15 +97,24 @@ Paint PaintOf(const Sewer& sewer, std::size_t index, const SceneryOptions& optio
       const auto turn_m = static_cast<float>(2.0 * std::numbers::pi * primitive.radius_m);
       const network::Pipe& pipe = sewer.network.pipes[part.index];
       paint.look = PipeWallLook(pipe.material, pipe.condition);
+      VaryPipe(paint, pipe, options);
       paint.period_m = {2.0f * turn_m, turn_m};
       // Only along: around, the deposit belongs to the invert.
       paint.offset.x() = static_cast<float>(random.Uniform(0.0, 1.0));
       break;
     }
-    case Feature::kJoint:  // the gap has filled with dirt
-      paint.look = {Pattern::kRough, {0.15f, 0.12f, 0.09f}, 0.05f, 0.5f};
+    case Feature::kJoint: {
+      const network::Pipe& pipe = sewer.network.pipes[part.index];
+      const double middle_m = primitive.start_chainage_m + primitive.length_m / 2.0;
+      const auto off = [&](const network::Joint& joint) {
+        return std::abs(joint.chainage_m - middle_m);
+      };
+      const auto nearest = std::ranges::min_element(pipe.joints, {}, off);
+      paint.look =
+          LookOfJoint(pipe, static_cast<std::size_t>(nearest - pipe.joints.begin()), options);
       paint.period_m = {0.2f, 0.2f};
-      break;
+      return paint;
+    }
     case Feature::kInlet:
       // Lamps throw no shadows here, but an inlet's inside lies in its mouth's.
       paint.look = {Pattern::kConcrete, {0.12f, 0.10f, 0.08f}, 0.05f, 0.2f};
@@ -192,7 +217,8 @@ std::vector<Visual> BuildDetails(const Sewer& sewer, const SceneryOptions& optio
     }
     for (std::size_t k = 0; k < pipe.joints.size(); ++k) {
       RandomStream random(options.seed, fmt::format("joint {} {}", pipe.name, k));
-      keep(BuildJointRims(sewer.axes[i], radius_m, pipe.joints[k], random));
+      keep(BuildJointRims(sewer.axes[i], radius_m, pipe.joints[k], random,
+                          LookOfJoint(pipe, k, options)));
     }
   }
   return details;

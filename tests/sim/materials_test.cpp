@@ -39,6 +39,29 @@ TEST(MakePattern, DarkensThePipesInvertOnly) {
               10.0);
 }
 
+// Soil, the third channel, hides a pipe's colour at the invert and not at the crown.
+TEST(MakePattern, SoilsThePipesInvertMost) {
+  for (const Pattern kind : {Pattern::kPipeWall, Pattern::kRoughPipe}) {
+    const cv::Mat pattern = MakePattern(kind, 1, 1.0);
+    const int invert = pattern.rows / 2;
+    EXPECT_GT(cv::mean(pattern.rowRange(invert - 50, invert + 50))[2], 200.0);
+    EXPECT_LT(cv::mean(pattern.rowRange(0, 100))[2], 40.0);
+  }
+}
+
+TEST(JointLook, IsMostlyPalerThanTheWallAndElseMuchDarker) {
+  for (const network::Material material :
+       {network::Material::kConcrete, network::Material::kClay}) {
+    const auto wall = PipeWallLook(material, network::WallCondition::kDry).colour;
+    const auto joint = [&](double draw) {
+      return JointLook(material, network::WallCondition::kDry, draw).colour;
+    };
+    EXPECT_GT(joint(0.1).sum(), 1.1f * wall.sum());
+    EXPECT_GT(joint(0.65).sum(), joint(0.1).sum());
+    EXPECT_LT(joint(0.8).sum(), 0.5f * wall.sum());
+  }
+}
+
 TEST(MakePattern, IsSmoothWithoutContrast) {
   cv::Scalar mean, deviation;
   cv::meanStdDev(MakePattern(Pattern::kConcrete, 1, 0.0), mean, deviation);
