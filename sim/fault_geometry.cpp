@@ -471,7 +471,7 @@ std::vector<Visual> BuildFault(const network::PipeAxis& axis, double pipe_radius
 std::vector<Visual> BuildJointRims(const network::PipeAxis& axis, double pipe_radius_m,
                                    const network::Joint& joint, RandomStream& random,
                                    const Look& look) {
-  constexpr int kSteps = 72;
+  constexpr int kSteps = 96;
   const RolledWall wall(axis, pipe_radius_m, joint.chainage_m, 12.0);
   std::vector<Visual> rims;
   for (const double side : {-1.0, 1.0}) {
@@ -481,7 +481,7 @@ std::vector<Visual> BuildJointRims(const network::PipeAxis& axis, double pipe_ra
       const double angle = kTurn * i / kSteps;
       const double v = angle * pipe_radius_m;
       const double inner_m = side * joint.gap_m / 2.0;
-      const double outer_m = inner_m + side * std::max(0.0015, 0.004 + 0.0018 * edge.At(angle));
+      const double outer_m = inner_m + side * std::max(0.001, 0.004 + 0.0026 * edge.At(angle));
       stations.push_back({{std::max(inner_m, outer_m), v}, {std::min(inner_m, outer_m), v}});
     }
     rims.push_back(Band(wall, stations, kPaint_m, look));

@@ -176,13 +176,16 @@ cv::Mat Pack(cv::Size size, const SetRowFunction& set_row, const TexelFunction& 
 
 /// How a pipe's wall differs from another's.
 struct WallKind {
-  float grain;   ///< contrast of its grains, 1 as on concrete
-  float stains;  ///< how far and how deep it is stained above the deposit, likewise
-  int pits;      ///< number of dark ones
+  float grain;    ///< contrast of its grains, 1 as on concrete
+  float stains;   ///< how far and how deep it is stained above the deposit, likewise
+  int pits;       ///< number of dark ones
+  int crumbs;     ///< number of pale ones, on the deposit and near it
+  float bed;      ///< half of what the deposit covers [turns]
+  float slime{};  ///< depth of the biofilm up to the springing line, 0 … 1
 };
 
 /// A used pipe: blotches, scale, grains drawn out along it, scratches, drips down its sides, brown
-/// stains that fade upward, and at the invert the dark deposit with its ragged rim where the water
+/// stains that fade upward, and at the invert the dark deposit with crumbs on it, where the water
 /// stands.
 cv::Mat PipeWall(RandomStream& random, float contrast, const WallKind& kind) {
   const cv::Size size(4096, 2048);
@@ -195,41 +198,48 @@ cv::Mat PipeWall(RandomStream& random, float contrast, const WallKind& kind) {
   level.Row(0);
   MaskAt pale(Specks(random, size, 2500, 1.0, 7.0)),
       dark(Specks(random, size, kind.pits, 1.0, 11.0));
+  MaskAt crumbs(Specks(random, size, kind.crumbs, 1.5, 12.0));
   MaskAt scratches(Scratches(random, size, 500, 600.0, 0.06));
 
   float turns_from_invert = 0.0f;
   const auto set_row = [&](int row) {
     SetRow(row, grain, fine, coarse, mottle, blotches, patches, drips, streaks, tongues, pale, dark,
-           scratches);
+           crumbs, scratches);
     turns_from_invert =
         std::abs((static_cast<float>(row) + 0.5f) / static_cast<float>(size.height) - 0.5f);
   };
   const auto texel = [&](int col) -> Texel {
     const float cloud = blotches[col] + 0.7f * patches[col];
+    // Broken, not round.
+    const float crumb = crumbs[col] * Ramp(fine[col] + grain[col], -1.2f, 0.6f);
     const float drip = Ramp(drips[col] + 0.5f * cloud, 0.9f, 3.0f);
     const float grainy = kind.grain * (0.075f * fine[col] + 0.065f * coarse[col]);
-    const float wall = 0.72f + contrast * (0.05f * cloud + 0.04f * mottle[col] + grainy +
+    const float wall = 0.70f + contrast * (0.07f * cloud + 0.04f * mottle[col] + grainy +
                                            0.04f * grain[col] - 0.10f * drip + 0.18f * pale[col] -
                                            0.34f * dark[col] - 0.10f * scratches[col]);
     const float bed =
-        0.25f + contrast * (0.05f * streaks[col] + 0.04f * cloud + 0.03f * mottle[col] +
-                            0.05f * fine[col] + 0.04f * grain[col] + 0.45f * pale[col] * pale[col]);
-    const float above =
-        turns_from_invert - 0.095f -
-        contrast * (0.010f * level[col] + 0.004f * mottle[col] + 0.003f * fine[col]);
+        0.25f + contrast * (0.06f * streaks[col] + 0.04f * cloud + 0.04f * mottle[col] +
+                            0.05f * fine[col] + 0.04f * grain[col] + 0.65f * crumb * crumb);
+    const float above = turns_from_invert - kind.bed -
+                        contrast * (0.010f * level[col] + 0.004f * patches[col] +
+                                    0.004f * streaks[col] + 0.003f * mottle[col]);
     // Stains: deepest at the water's edge, in tongues upward, gone by the springing line.
     const float ragged = 0.012f * tongues[col] + 0.012f * streaks[col] + 0.03f * blotches[col];
     const float stain = 1.0f - Ramp(above - contrast * ragged, -0.02f, 0.22f);
+    const float film =
+        kind.slime * (1.0f - Ramp(turns_from_invert - 0.25f - contrast * ragged, -0.04f, 0.01f));
+    const float crust = stain * stain * crumb;
     const float soil_of_wall =
-        contrast * (kind.stains * (0.08f + 0.46f * stain + 0.05f * Ramp(cloud, 0.0f, 2.0f)) +
-                    0.15f * drip + 0.18f * dark[col] + 0.05f * stain * fine[col]);
-    const float stained = 1.0f - 0.22f * contrast * stain * (1.0f + 0.3f * cloud);
-    const float rim = (1.0f - Ramp(std::abs(above), 0.0f, 0.008f)) * (1.0f + 0.5f * fine[col]);
-    const float dry = Ramp(above, -0.006f, 0.006f);
-    const float soil_of_bed = contrast * (0.88f + 0.06f * streaks[col] - 0.55f * pale[col]);
-    return {bed + (wall * stained - bed) * dry - 0.13f * contrast * rim,
-            contrast * (0.3f * grain[col] + 1.5f * mottle[col] + 2.0f * pale[col] -
-                        2.0f * kind.grain * dark[col] + 0.8f * rim +
+        contrast * (kind.stains * (0.06f + 0.44f * stain + 0.06f * Ramp(cloud, 0.0f, 2.0f)) +
+                    0.15f * drip + 0.18f * dark[col] + 0.08f * stain * (fine[col] + patches[col]) +
+                    film * (0.30f + 0.06f * mottle[col]) - 0.30f * crust);
+    const float stained = (1.0f - 0.22f * contrast * stain * (1.0f + 0.3f * cloud)) *
+                          (1.0f - film * (0.45f - contrast * 0.08f * (patches[col] + mottle[col])));
+    const float dry = Ramp(above + 0.004f * contrast * (fine[col] + coarse[col]), -0.022f, 0.012f);
+    const float soil_of_bed = contrast * (0.88f + 0.06f * streaks[col] - 0.70f * crumb);
+    return {bed + (wall * stained + contrast * 0.35f * crust - bed) * dry,
+            contrast * (0.3f * grain[col] + (1.5f + 1.5f * film) * mottle[col] + 2.0f * pale[col] +
+                        2.0f * crumb * (1.0f - dry + stain) - 2.0f * kind.grain * dark[col] +
                         (0.3f + 0.5f * kind.grain) * (fine[col] + 1.4f * coarse[col])),
             soil_of_bed + (soil_of_wall - soil_of_bed) * dry};
   };
@@ -257,45 +267,15 @@ cv::Mat Concrete(RandomStream& random, float contrast) {
 
 cv::Mat Rough(RandomStream& random, float contrast) {
   NoiseAt grain(Grain(random)), lumps(FineGrain(random, kTile / 16)),
-      grit(FineGrain(random, kTile / 4));
+      grit(FineGrain(random, kTile / 4)), clouds(FineGrain(random, 8));
   const auto texel = [&](int col) -> Texel {
     const float lumpy = lumps[col] + 0.6f * grit[col];
-    return {0.6f + contrast * (0.09f * grain[col] + 0.10f * lumpy),
+    return {0.6f + contrast * (0.09f * grain[col] + 0.10f * lumpy + 0.14f * clouds[col]),
             contrast * (0.8f * grain[col] + 4.0f * lumpy),
-            contrast * 0.3f * Ramp(-lumpy, 0.0f, 2.0f)};
+            contrast * 0.3f * Ramp(-lumpy - clouds[col], 0.0f, 2.0f)};
   };
   return Pack(
-      {kTile, kTile}, [&](int row) { SetRow(row, grain, lumps, grit); }, texel);
-}
-
-/// A wall under a biofilm: dark, smooth and lumpy below the springing line, in tongues above it.
-cv::Mat Slime(RandomStream& random, float contrast) {
-  const cv::Size size(2048, 1024);
-  NoiseAt grain(Grain(random)), fine(FineGrain(random, kTile / 4));
-  NoiseAt mottle(Noise(random, size, {128, 64})), lumps(Noise(random, size, {64, 32}));
-  NoiseAt clouds(Noise(random, size, {16, 8})), tongues(Noise(random, size, {128, 4}));
-  NoiseAt level(Noise(random, {size.width, 8}, {8, 1}));
-  level.Row(0);
-  float turns_from_invert = 0.0f;
-  const auto set_row = [&](int row) {
-    SetRow(row, grain, fine, mottle, lumps, clouds, tongues);
-    turns_from_invert =
-        std::abs((static_cast<float>(row) + 0.5f) / static_cast<float>(size.height) - 0.5f);
-  };
-  const auto texel = [&](int col) -> Texel {
-    const float rim = 0.25f + contrast * (0.02f * level[col] + 0.012f * tongues[col] +
-                                          0.02f * clouds[col] + 0.010f * mottle[col]);
-    const float cover = Ramp(rim - turns_from_invert, -0.02f, 0.02f);
-    const float wall = 0.58f + contrast * (0.06f * clouds[col] + 0.05f * mottle[col] +
-                                           0.04f * fine[col] + 0.05f * grain[col]);
-    const float slime = 0.24f + contrast * (0.05f * clouds[col] + 0.05f * lumps[col] +
-                                            0.03f * mottle[col] + 0.02f * fine[col]);
-    return {wall + (slime - wall) * cover,
-            contrast * (0.3f * grain[col] * (1.0f - cover) +
-                        cover * (2.5f * lumps[col] + 1.8f * mottle[col] + 0.5f * fine[col] + 1.0f)),
-            contrast * (0.15f + 0.45f * cover + 0.08f * clouds[col])};
-  };
-  return Pack(size, set_row, texel);
+      {kTile, kTile}, [&](int row) { SetRow(row, grain, lumps, grit, clouds); }, texel);
 }
 
 /// Sand with pebbles of 1 to 7 mm.
@@ -325,9 +305,9 @@ Look DryLook(network::Material material) {
     case Material::kPvc:
       return {Pattern::kPipeWall, {0.80f, 0.73f, 0.60f}, 0.30f, 0.15f};
     case Material::kClay:
-      return {Pattern::kPipeWall, {0.78f, 0.33f, 0.13f}, 0.45f, 0.20f};
+      return {Pattern::kPipeWall, {0.90f, 0.29f, 0.09f}, 0.45f, 0.20f};
     case Material::kConcrete:
-      return {Pattern::kRoughPipe, {0.74f, 0.55f, 0.38f}, 0.12f, 0.6f};
+      return {Pattern::kRoughPipe, {0.74f, 0.61f, 0.45f}, 0.12f, 0.6f};
     case Material::kLined:
       return {Pattern::kPipeWall, {0.86f, 0.87f, 0.80f}, 0.50f, 0.1f};
   }
@@ -346,7 +326,7 @@ Look Moistened(Look look, network::WallCondition condition, bool porous) {
       look.film = 1.0f;
       break;
     case network::WallCondition::kSlimy:
-      look.colour = look.colour.cwiseProduct(Eigen::Vector3f(0.62f, 0.66f, 0.46f));
+      look.colour = look.colour.cwiseProduct(Eigen::Vector3f(0.72f, 0.72f, 0.55f));
       look.gloss = 0.5f;
       look.relief = std::max(look.relief, 0.5f);
       look.film = 1.0f;
@@ -362,11 +342,11 @@ cv::Mat MakePattern(Pattern pattern, std::uint64_t seed, double contrast) {
   switch (pattern) {
     case Pattern::kPipeWall: {
       RandomStream random(seed, "texture pipe wall");
-      return PipeWall(random, strength, {0.25f, 0.55f, 2000});
+      return PipeWall(random, strength, {0.25f, 0.35f, 1500, 3000, 0.065f});
     }
     case Pattern::kRoughPipe: {
       RandomStream random(seed, "texture rough pipe");
-      return PipeWall(random, strength, {1.0f, 1.0f, 5000});
+      return PipeWall(random, strength, {1.0f, 1.0f, 5000, 9000, 0.095f});
     }
     case Pattern::kConcrete: {
       RandomStream random(seed, "texture concrete");
@@ -374,7 +354,7 @@ cv::Mat MakePattern(Pattern pattern, std::uint64_t seed, double contrast) {
     }
     case Pattern::kSlime: {
       RandomStream random(seed, "texture slime");
-      return Slime(random, strength);
+      return PipeWall(random, strength, {0.7f, 1.0f, 3000, 6000, 0.095f, 1.0f});
     }
     case Pattern::kGravel: {
       RandomStream random(seed, "texture gravel");
@@ -397,7 +377,7 @@ Look ObstacleLook(network::ObstacleKind kind, network::WallCondition condition) 
   const auto dry = [&]() -> Look {
     switch (kind) {
       case network::ObstacleKind::kSediment:
-        return {Pattern::kGravel, {0.44f, 0.37f, 0.28f}, 0.05f, 0.8f};
+        return {Pattern::kGravel, {0.36f, 0.31f, 0.25f}, 0.05f, 0.8f};
       case network::ObstacleKind::kStone:
         return {Pattern::kRough, {1.0f, 0.86f, 0.66f}, 0.15f, 0.6f};
       case network::ObstacleKind::kMortarRidge:
@@ -407,7 +387,9 @@ Look ObstacleLook(network::ObstacleKind kind, network::WallCondition condition) 
     }
     return {};
   };
-  return Moistened(dry(), condition, true);
+  Look look = Moistened(dry(), condition, true);
+  if (kind == network::ObstacleKind::kSediment) look.film *= 0.3f;  // water sinks into it
+  return look;
 }
 
 Look JointLook(network::Material material, network::WallCondition condition, double draw) {

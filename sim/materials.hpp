@@ -17,7 +17,7 @@ enum class Pattern : std::uint8_t {
   kRoughPipe,  ///< likewise, of concrete: grains and pits, stained to the springing line
   kConcrete,   ///< one period is 1 m
   kRough,      ///< lumps, dirt, roots; one period is 0.2 m
-  kSlime,      ///< as kPipeWall, overgrown up to the springing line and hanging down from it
+  kSlime,      ///< as kRoughPipe, under a dark biofilm up to the springing line
   kGravel      ///< sand and pebbles; one period is 0.2 m
 };
 inline constexpr int kPatternCount = 6;

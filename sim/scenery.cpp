@@ -59,13 +59,15 @@ Paint PaintOfSolid(const Sewer& sewer, std::size_t index, const SceneryOptions& 
   return paint;
 }
 
-/// Pipes of one material age apart, some paler, some browner.
+/// Pipes of one material age apart, some paler, some browner, some greener.
 void VaryPipe(Paint& paint, const network::Pipe& pipe, const SceneryOptions& options) {
   RandomStream random(options.seed, "tone " + pipe.name);
-  const double tone = 1.0 + options.texture_contrast * random.Uniform(-0.22, 0.10);
-  const double warmth = options.texture_contrast * random.Uniform(-0.10, 0.10);
-  paint.look.colour.x() *= static_cast<float>(tone * (1.0 + 0.6 * warmth));
-  paint.look.colour.y() *= static_cast<float>(tone);
+  const double contrast = options.texture_contrast;
+  const double tone = 1.0 + contrast * random.Uniform(-0.22, 0.10);
+  const double warmth = contrast * random.Uniform(-0.16, 0.16);
+  const double green = contrast * random.Uniform(-0.06, 0.08);
+  paint.look.colour.x() *= static_cast<float>(tone * (1.0 + 0.6 * warmth - green));
+  paint.look.colour.y() *= static_cast<float>(tone * (1.0 + green));
   paint.look.colour.z() *= static_cast<float>(tone * (1.0 - 1.4 * warmth));
 }
 

@@ -33,12 +33,12 @@ uniform vec3 direction_E;    // of the lamps
 uniform float radiance;      // of each lamp at 1 m
 uniform float reach;
 
-const vec3 kStain = vec3(0.80, 0.44, 0.17);    // rust and sewage dried on
+const vec3 kStain = vec3(0.74, 0.46, 0.23);    // rust and sewage dried on
 const vec3 kSludge = vec3(0.26, 0.21, 0.17);
 
 void main() {
   // A little sharper than mipmaps are meant to be: the camera's blur comes later.
-  vec3 surface = texture2D(pattern, texel, -0.6).rgb;
+  vec3 surface = texture2D(pattern, texel, -0.4).rgb;
   float albedo = surface.r;
   float gloss = gl_FrontMaterial.specular.r;
   float relief = gl_FrontMaterial.shininess / 128.0;

@@ -106,7 +106,8 @@ TEST(BuildJointRims, LieBesideTheGrooveAllRound) {
   const network::Network net = LevelPipe();
   const network::PipeAxis axis(net, net.pipes[0]);
   RandomStream random(1, "joint");
-  const std::vector<Visual> rims = BuildJointRims(axis, kRadius_m, {2.0, 0.008, 0.006}, random, Look{});
+  const std::vector<Visual> rims =
+      BuildJointRims(axis, kRadius_m, {2.0, 0.008, 0.006}, random, Look{});
   ASSERT_EQ(rims.size(), 2u);
   for (const Visual& rim : rims) {
     for (const Eigen::Vector3f& p_OV : rim.mesh.positions) {
