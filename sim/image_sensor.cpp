@@ -48,6 +48,15 @@ const std::array<double, kLevels>& Radiances() {
   return radiances;
 }
 
+/// Means and noise add up in 1/4096 levels.
+void AddNoise(std::span<const std::int16_t> mean, std::span<const std::int16_t> deviation,
+              const std::int8_t* __restrict noise, std::uint8_t* __restrict pixel) {
+  for (std::size_t i = 0; i < mean.size(); ++i) {
+    const int level = (64 * mean[i] + deviation[i] * noise[i] + 2048) >> 12;
+    pixel[i] = static_cast<std::uint8_t>(std::clamp(level, 0, 255));
+  }
+}
+
 double Slope(double signal) {
   constexpr double kStep = 1e-5;
   return (CameraCurve(signal + kStep) - CameraCurve(signal - kStep)) / (2.0 * kStep);
@@ -101,21 +110,27 @@ void ImageSensorModel::Expose(cv::Mat& image, RandomStream& random) const {
   const std::vector<std::int8_t>& field = Field();
   std::size_t at = random.Index(kField);
   const auto width = static_cast<std::size_t>(image.cols);
+  // Looked up first, reckoned then: processors do the second step many at a time.
+  std::vector<std::int16_t> mean(3 * width), deviation(3 * width);
   for (int y = 0; y < image.rows; ++y) {
     if (at + 3 * width > kField) at -= kField - 3 * width;
     auto* pixel = image.ptr<std::uint8_t>(y);
-    const auto* row = rows_.ptr<std::uint8_t>(y);
-    const std::int8_t* noise = field.data() + at;
-    for (std::size_t x = 0; x < width; ++x) {
-      const Outcome* outcomes = outcomes_.data() + static_cast<std::size_t>(row[x]) * kLevels;
-      for (std::size_t c = 0; c < 3; ++c) {
-        const Outcome outcome = outcomes[pixel[3 * x + c]];
-        // Mean and noise in 1/4096 levels.
-        const int level = (outcome.mean * 64 + outcome.deviation * noise[3 * x + c] + 2048) >> 12;
-        pixel[3 * x + c] = static_cast<std::uint8_t>(std::clamp(level, 0, 255));
-      }
-    }
+    LookUp(rows_.ptr<std::uint8_t>(y), pixel, mean, deviation);
+    AddNoise(mean, deviation, field.data() + at, pixel);
     at += 3 * width;
+  }
+}
+
+void ImageSensorModel::LookUp(const std::uint8_t* rows, const std::uint8_t* pixel,
+                              std::span<std::int16_t> mean,
+                              std::span<std::int16_t> deviation) const {
+  for (std::size_t i = 0; i < mean.size(); i += 3) {
+    const Outcome* outcomes = outcomes_.data() + static_cast<std::size_t>(*rows++) * kLevels;
+    for (std::size_t c = i; c < i + 3; ++c) {
+      const Outcome outcome = outcomes[pixel[c]];
+      mean[c] = outcome.mean;
+      deviation[c] = outcome.deviation;
+    }
   }
 }
 

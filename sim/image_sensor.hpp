@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <span>
 #include <vector>
 
 #include "base/random.hpp"
@@ -40,6 +41,10 @@ class ImageSensorModel {
     std::int16_t mean;       ///< [1/64 levels]
     std::int16_t deviation;  ///< [1/128 levels]
   };
+  /// Of a row of pixels, from each one's row of `outcomes_` and its level.
+  void LookUp(const std::uint8_t* rows, const std::uint8_t* pixel, std::span<std::int16_t> mean,
+              std::span<std::int16_t> deviation) const;
+
   std::vector<Outcome> outcomes_;  ///< by transmission, then level
   cv::Mat rows_;                   ///< CV_8U: the row of `outcomes_` for each pixel
 };

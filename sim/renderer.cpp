@@ -1,18 +1,18 @@
 #include "sim/renderer.hpp"
 
-#include <GL/gl.h>
-#include <GL/glext.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
 
+#include "sim/gl_calls.hpp"
 #include "sim/mujoco_error.hpp"
 #include "sim/offscreen_context.hpp"
 #include "sim/shaders.hpp"
@@ -26,81 +26,6 @@ constexpr double kNear_m = 0.02;
 /// Sent back where nothing at all shines, as a share of full scale: the sensor's black level.
 constexpr double kBlack = 0.03;
 constexpr std::array<double, 3> kVeilColour{1.35, 0.85, 1.10};  ///< blue, green, red
-
-/// The OpenGL calls that this file makes itself.
-struct Gl {
-  template <typename Function>
-  static Function Entry(const char* name) {
-    return OffscreenContext::Entry<Function>(name);
-  }
-  PFNGLCREATESHADERPROC CreateShader = Entry<PFNGLCREATESHADERPROC>("glCreateShader");
-  PFNGLSHADERSOURCEPROC ShaderSource = Entry<PFNGLSHADERSOURCEPROC>("glShaderSource");
-  PFNGLCOMPILESHADERPROC CompileShader = Entry<PFNGLCOMPILESHADERPROC>("glCompileShader");
-  PFNGLGETSHADERIVPROC GetShaderiv = Entry<PFNGLGETSHADERIVPROC>("glGetShaderiv");
-  PFNGLGETSHADERINFOLOGPROC GetShaderInfoLog =
-      Entry<PFNGLGETSHADERINFOLOGPROC>("glGetShaderInfoLog");
-  PFNGLCREATEPROGRAMPROC CreateProgram = Entry<PFNGLCREATEPROGRAMPROC>("glCreateProgram");
-  PFNGLATTACHSHADERPROC AttachShader = Entry<PFNGLATTACHSHADERPROC>("glAttachShader");
-  PFNGLLINKPROGRAMPROC LinkProgram = Entry<PFNGLLINKPROGRAMPROC>("glLinkProgram");
-  PFNGLGETPROGRAMIVPROC GetProgramiv = Entry<PFNGLGETPROGRAMIVPROC>("glGetProgramiv");
-  PFNGLUSEPROGRAMPROC UseProgram = Entry<PFNGLUSEPROGRAMPROC>("glUseProgram");
-  PFNGLGETUNIFORMLOCATIONPROC GetUniformLocation =
-      Entry<PFNGLGETUNIFORMLOCATIONPROC>("glGetUniformLocation");
-  PFNGLUNIFORM1IPROC Uniform1i = Entry<PFNGLUNIFORM1IPROC>("glUniform1i");
-  PFNGLUNIFORM1FPROC Uniform1f = Entry<PFNGLUNIFORM1FPROC>("glUniform1f");
-  PFNGLUNIFORM3FVPROC Uniform3fv = Entry<PFNGLUNIFORM3FVPROC>("glUniform3fv");
-  PFNGLUNIFORM2FPROC Uniform2f = Entry<PFNGLUNIFORM2FPROC>("glUniform2f");
-  void (*MultiTexCoord2fv)(GLenum, const GLfloat*) =
-      Entry<void (*)(GLenum, const GLfloat*)>("glMultiTexCoord2fv");
-  void (*MultiTexCoord3fv)(GLenum, const GLfloat*) =
-      Entry<void (*)(GLenum, const GLfloat*)>("glMultiTexCoord3fv");
-  PFNGLACTIVETEXTUREPROC ActiveTexture = Entry<PFNGLACTIVETEXTUREPROC>("glActiveTexture");
-  void (*Begin)(GLenum) = Entry<void (*)(GLenum)>("glBegin");
-  void (*End)() = Entry<void (*)()>("glEnd");
-  void (*Vertex3fv)(const GLfloat*) = Entry<void (*)(const GLfloat*)>("glVertex3fv");
-  void (*Normal3fv)(const GLfloat*) = Entry<void (*)(const GLfloat*)>("glNormal3fv");
-  void (*GenTextures)(GLsizei, GLuint*) = Entry<void (*)(GLsizei, GLuint*)>("glGenTextures");
-  void (*BindTexture)(GLenum, GLuint) = Entry<void (*)(GLenum, GLuint)>("glBindTexture");
-  void (*TexParameteri)(GLenum, GLenum,
-                        GLint) = Entry<void (*)(GLenum, GLenum, GLint)>("glTexParameteri");
-  void (*TexImage2D)(GLenum, GLint, GLint, GLsizei, GLsizei, GLint, GLenum, GLenum, const void*) =
-      Entry<void (*)(GLenum, GLint, GLint, GLsizei, GLsizei, GLint, GLenum, GLenum, const void*)>(
-          "glTexImage2D");
-  void (*CopyTexSubImage2D)(GLenum, GLint, GLint, GLint, GLint, GLint, GLsizei, GLsizei) =
-      Entry<void (*)(GLenum, GLint, GLint, GLint, GLint, GLint, GLsizei, GLsizei)>(
-          "glCopyTexSubImage2D");
-  using ReadPixelsFunction = void (*)(GLint, GLint, GLsizei, GLsizei, GLenum, GLenum, void*);
-  ReadPixelsFunction ReadPixels = Entry<ReadPixelsFunction>("glReadPixels");
-};
-
-GLuint CompileShader(const Gl& gl, GLenum kind, const std::string& source) {
-  const GLuint shader = gl.CreateShader(kind);
-  const char* text = source.c_str();
-  gl.ShaderSource(shader, 1, &text, nullptr);
-  gl.CompileShader(shader);
-  GLint compiled = 0;
-  gl.GetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
-  if (compiled == 0) {
-    std::array<char, 2000> log{};
-    gl.GetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
-    throw RenderingUnavailable(
-        std::string("cameras cannot be rendered: OpenGL refuses a shader: ") + log.data());
-  }
-  return shader;
-}
-
-GLuint LinkProgram(const Gl& gl, const std::string& fragment_source,
-                   const std::string& vertex_source = kVertexShader) {
-  const GLuint program = gl.CreateProgram();
-  gl.AttachShader(program, CompileShader(gl, GL_VERTEX_SHADER, kVersion + vertex_source));
-  gl.AttachShader(program, CompileShader(gl, GL_FRAGMENT_SHADER, kVersion + fragment_source));
-  gl.LinkProgram(program);
-  GLint linked = 0;
-  gl.GetProgramiv(program, GL_LINK_STATUS, &linked);
-  if (linked == 0)
-    throw RenderingUnavailable("cameras cannot be rendered: OpenGL does not link a shader");
-  return program;
-}
 
 /// What a view sees: a pyramid of planes through the camera, cut off at the reach.
 class Pyramid {
@@ -197,14 +122,16 @@ class Renderer::Impl {
     gl_.emplace();
     // Only numbers change in this copy; the arrays stay the scenery's.
     mjModel model = scenery_->model();
-    model.vis.global.offwidth = options.max_width_px;
-    model.vis.global.offheight = options.max_height_px;
+    // Pictures are drawn into framebuffers of their own size: what a larger one has outside costs
+    // time too.
+    model.vis.global.offwidth = model.vis.global.offheight = 1;
     mjr_defaultContext(&mujoco_);
     mjr_makeContext(&model, &mujoco_, mjFONTSCALE_100);
     mjr_setBuffer(mjFB_OFFSCREEN, &mujoco_);
     if (mujoco_.currentBuffer != mjFB_OFFSCREEN) {
       throw RenderingUnavailable("cameras cannot be rendered: OpenGL gives no framebuffer");
     }
+    mujocos_framebuffer_ = mujoco_.offFBO;
     SampleOneLevel();
     depth_program_ = LinkProgram(*gl_, kDepthShader);
     mjv_defaultScene(&scene_);
@@ -217,6 +144,7 @@ class Renderer::Impl {
     const std::lock_guard lock(ContextMutex());
     const OffscreenContext::Current current(context_);
     mjv_freeScene(&scene_);
+    mujoco_.offFBO = mujocos_framebuffer_;
     mjr_freeContext(&mujoco_);
   }
 
@@ -278,6 +206,8 @@ class Renderer::Impl {
     for (int i = 0; i < mujoco_.ntexture; ++i) {
       gl_->BindTexture(GL_TEXTURE_2D, mujoco_.texture[i]);
       gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_NEAREST);
+      // A little sharper than levels are meant to be: the camera's blur comes later.
+      gl_->TexParameterf(GL_TEXTURE_2D, GL_TEXTURE_LOD_BIAS, -0.4F);
     }
   }
 
@@ -387,6 +317,9 @@ class Renderer::Impl {
     gl_->Uniform1f(gl_->GetUniformLocation(program, "reach"), static_cast<float>(kReach_m));
     SetCamera(view);
     const mjrRect viewport{0, 0, view.width_px, view.height_px};
+    GLuint& framebuffer = framebuffers_[{view.width_px, view.height_px}];
+    if (framebuffer == 0) framebuffer = NewFramebuffer(*gl_, view.width_px, view.height_px);
+    mujoco_.offFBO = framebuffer;
     mjr_setBuffer(mjFB_OFFSCREEN, &mujoco_);
     mjr_render(viewport, &scene_, &mujoco_);
   }
@@ -415,14 +348,21 @@ class Renderer::Impl {
     scene_.camera[0] = scene_.camera[1] = camera;
   }
 
+  /// The nearest first: what they hide is then not shaded.
   void ChoosePieces(const CameraView& view) {
     const Pyramid pyramid(view);
-    scene_.ngeom = 0;
+    const Vector3d& p_WC = view.X_WC.translation();
+    chosen_.clear();
     for (const Scenery::Piece& piece : scenery_->pieces()) {
-      if (!pyramid.Meets(piece.p_WCentre, piece.radius_m)) continue;
+      if (pyramid.Meets(piece.p_WCentre, piece.radius_m))
+        chosen_.emplace_back((piece.p_WCentre - p_WC).squaredNorm(), &piece);
+    }
+    std::ranges::stable_sort(chosen_, {}, &std::pair<double, const Scenery::Piece*>::first);
+    scene_.ngeom = 0;
+    for (const auto& [distance2, piece] : chosen_) {
       mjvGeom& geom = scene_.geoms[scene_.ngeom++];
-      geom = piece.geom;
-      Eigen::Map<Eigen::Vector3f>(geom.pos) = (piece.p_WG - view.X_WC.translation()).cast<float>();
+      geom = piece->geom;
+      Eigen::Map<Eigen::Vector3f>(geom.pos) = (piece->p_WG - p_WC).cast<float>();
     }
   }
 
@@ -436,9 +376,12 @@ class Renderer::Impl {
   mjrContext mujoco_{};
   mjvScene scene_{};
   LampPrograms lamp_programs_{}, film_programs_{}, water_programs_{};  ///< 0 if not yet needed
+  std::map<std::pair<int, int>, GLuint> framebuffers_;                 ///< by width and height
+  GLuint mujocos_framebuffer_{};
   GLuint frame_{};  ///< texture, 0 if not yet needed
   GLuint depth_program_{};
   cv::Mat pixels_;
+  std::vector<std::pair<double, const Scenery::Piece*>> chosen_;
 };
 
 Renderer::Renderer(std::shared_ptr<const Scenery> scenery, const RendererOptions& options)

@@ -37,8 +37,7 @@ const vec3 kStain = vec3(0.74, 0.46, 0.23);    // rust and sewage dried on
 const vec3 kSludge = vec3(0.26, 0.21, 0.17);
 
 void main() {
-  // A little sharper than mipmaps are meant to be: the camera's blur comes later.
-  vec3 surface = texture2D(pattern, texel, -0.4).rgb;
+  vec3 surface = texture2D(pattern, texel).rgb;
   float albedo = surface.r;
   float gloss = gl_FrontMaterial.specular.r;
   float relief = gl_FrontMaterial.shininess / 128.0;
@@ -120,18 +119,21 @@ const float kIndex = 1.33;
 const vec3 kAbsorbed = vec3(12.0, 14.0, 18.0);   // per metre: grey water, a little brown
 const vec3 kMurk = vec3(0.055, 0.048, 0.035);    // what a deep layer sends back
 
-vec3 Shown(vec3 p) {
+// Where the frame shows a point: 0 to 1 across it.
+vec2 Place(vec3 p) {
   vec4 clip = gl_ProjectionMatrix * vec4(p, 1.0);
-  vec2 at = clamp(0.5 + 0.5 * clip.xy / clip.w, 0.002, 0.998);
-  vec3 c = min(texture2D(frame, at * frame_share).rgb, 0.996);
+  return 0.5 + 0.5 * clip.xy / max(clip.w, 0.001);
+}
+
+vec3 Shown(vec2 at) {
+  vec3 c = min(texture2D(frame, clamp(at, 0.002, 0.998) * frame_share).rgb, 0.996);
   return -log(1.0 - c * c);
 }
 
-// 1 where the frame shows this point, fading to 0 at its rim.
-float InFrame(vec3 p) {
-  vec4 clip = gl_ProjectionMatrix * vec4(p, 1.0);
-  vec2 inside = 1.0 - abs(clip.xy / max(clip.w, 0.001));
-  return step(p.z, -0.03) * smoothstep(0.0, 0.08, min(inside.x, inside.y));
+// 1 where the frame shows a point at this place, fading to 0 at its rim.
+float InFrame(vec2 at, float z) {
+  vec2 inside = 1.0 - abs(2.0 * at - 1.0);
+  return step(z, -0.03) * smoothstep(0.0, 0.08, min(inside.x, inside.y));
 }
 
 float Lobe(vec3 to_middle) { return max(0.0, 0.25 - 0.75 * dot(to_middle, direction_E)); }
@@ -146,12 +148,18 @@ float Arriving(vec3 p, vec3 normal) {
          (0.92 * max(dot(normal, to_middle), 0.0) + 0.08);
 }
 
+// A sine to the eye, of parabolas, which cost a fraction.
+float Wave(float turns) {
+  float x = 2.0 * fract(turns) - 1.0;
+  return 4.0 * x * (1.0 - abs(x));
+}
+
 // Slopes of slow, shallow ripples; they blur with distance, where a pixel holds many.
 vec2 Ripples(vec2 at) {
-  vec2 slope = 0.007 * vec2(0.9, 0.45) * cos(dot(at, vec2(110.0, 55.0)) + 2.0 * sin(7.0 * at.x))
-             + 0.005 * vec2(0.8, -0.6) * cos(dot(at, vec2(190.0, -140.0)) + 1.5 * sin(13.0 * at.x + 1.0))
-             + 0.004 * vec2(0.3, 0.95) * cos(dot(at, vec2(95.0, 310.0)) + 3.0)
-             + 0.010 * vec2(1.0, 0.1) * cos(dot(at, vec2(38.0, 6.0)));
+  vec2 slope = 0.007 * vec2(0.9, 0.45) * Wave(dot(at, vec2(17.5, 8.8)) + 0.32 * Wave(1.1 * at.x))
+             + 0.005 * vec2(0.8, -0.6) * Wave(dot(at, vec2(30.2, -22.3)) + 0.24 * Wave(2.1 * at.x + 0.2))
+             + 0.004 * vec2(0.3, 0.95) * Wave(dot(at, vec2(15.1, 49.3)) + 0.5)
+             + 0.010 * vec2(1.0, 0.1) * Wave(dot(at, vec2(6.0, 1.0)));
   return slope / (1.0 + 0.8 * p_E.z * p_E.z);
 }
 
@@ -163,7 +171,8 @@ void main() {
   vec2 slope = Ripples(place);
   vec3 normal = normalize(up - slope.x * along - slope.y * left);
   float facing = clamp(-dot(seen, normal), 0.02, 1.0);
-  float mirrors = 0.02 + 0.98 * pow(1.0 - facing, 5.0);
+  float grazing = (1.0 - facing) * (1.0 - facing);
+  float mirrors = 0.02 + 0.98 * grazing * grazing * (1.0 - facing);
 
   vec3 mirrored = reflect(seen, normal);
   mirrored += max(0.0, 0.02 - dot(mirrored, up)) * up;
@@ -175,13 +184,16 @@ void main() {
   float way = (sqrt(max(b * b - a * c, 0.0)) - b) / a;
   vec3 wall = p_E + way * mirrored;
   vec3 plain = vec3(0.42, 0.38, 0.32) * Arriving(wall, -normalize(from_axis + way * across));
-  vec3 mirror = mix(plain, Shown(wall), InFrame(wall));
+  vec2 wall_place = Place(wall);
+  vec3 mirror = mix(plain, Shown(wall_place), InFrame(wall_place, wall.z));
 
   vec3 bent = refract(seen, normal, 1.0 / kIndex);
   float under = max(depth - place.y * place.y / (2.0 * bed_radius), 0.0);
   float path = under / max(-dot(bent, up), 0.3);
   vec3 through = exp(-kAbsorbed * (path + under));
-  vec3 bed = mix(Shown(p_E), Shown(p_E + path * bent), InFrame(p_E + path * bent));
+  vec3 bottom = p_E + path * bent;
+  vec2 bed_place = Place(bottom);
+  vec3 bed = Shown(mix(Place(p_E), bed_place, InFrame(bed_place, bottom.z)));
   vec3 murk = kMurk * Arriving(p_E, up) * (1.0 - through);
 
   // The lamps themselves, mirrored: sharp, and drawn out by the ripples.
@@ -189,7 +201,10 @@ void main() {
   for (int i = 0; i < LAMPS; ++i) {
     vec3 to_lamp = p_ELamp[i] - p_E;
     float fall_off = 1.0 / dot(to_lamp, to_lamp);
-    glint += fall_off * pow(max(dot(mirrored, to_lamp * sqrt(fall_off)), 0.0), 300.0);
+    // Of cos^300, which takes a logarithm and an exponential, the like.
+    float spot = 1.0 / (1.0 + 37.5 * (1.0 - sqrt(fall_off) * dot(mirrored, to_lamp)));
+    spot *= spot; spot *= spot;
+    glint += fall_off * spot * spot;
   }
   glint *= radiance * Lobe(normalize(p_EMiddle - p_E));
   vec3 sent = (1.0 - mirrors) * (bed * through + murk) + mirrors * (mirror + 40.0 * glint);
