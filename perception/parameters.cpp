@@ -17,9 +17,25 @@ double Metres(const YamlNode& node, double low_mm, double high_mm) {
   return node.Number(low_mm, high_mm) / 1000;
 }
 
+/// One of several names. @param what  they name, "an edge operator"
+template <typename Value>
+Value ReadName(const YamlNode& node, std::span<const std::pair<const char*, Value>> names,
+               const char* what) {
+  const std::string text = node.Text();
+  std::string known;
+  for (const auto& [name, value] : names) {
+    if (text == name) return value;
+    known += (known.empty() ? "" : ", ") + std::string(name);
+  }
+  throw node.Error("\"" + text.substr(0, 40) + "\" is not " + what + "; there are " + known);
+}
+
 LaserParameters ReadLaser(const YamlNode& node) {
-  node.AllowOnly({"threshold_mm", "window_deg", "far_limit_mm", "revolutions"});
+  static constexpr std::array<std::pair<const char*, LaserMethod>, 2> kMethods{
+      {{"thesis", LaserMethod::kThesis}, {"ours", LaserMethod::kOurs}}};
+  node.AllowOnly({"method", "threshold_mm", "window_deg", "far_limit_mm", "revolutions"});
   LaserParameters laser;
+  laser.method = ReadName<LaserMethod>(node["method"], kMethods, "a way to read the laser");
   laser.threshold_m = Metres(node["threshold_mm"], 1, 10000);
   laser.window_rad = node["window_deg"].Number(0.1, 90) * std::numbers::pi / 180;
   laser.far_limit_m = Metres(node["far_limit_mm"], 1, 10000);
@@ -62,19 +78,6 @@ RingParameters ReadRings(const YamlNode& node) {
   rings.joint_min_support = node["joint_min_support"].Number(0, 1);
   rings.mouth_min_support = node["mouth_min_support"].Number(0, 1);
   return rings;
-}
-
-/// One of several names. @param what  they name, "an edge operator"
-template <typename Value>
-Value ReadName(const YamlNode& node, std::span<const std::pair<const char*, Value>> names,
-               const char* what) {
-  const std::string text = node.Text();
-  std::string known;
-  for (const auto& [name, value] : names) {
-    if (text == name) return value;
-    known += (known.empty() ? "" : ", ") + std::string(name);
-  }
-  throw node.Error("\"" + text.substr(0, 40) + "\" is not " + what + "; there are " + known);
 }
 
 EdgeOperator ReadOperator(const YamlNode& node) {

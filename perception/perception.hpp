@@ -9,6 +9,7 @@
 #include "perception/observations.hpp"
 #include "perception/odometry.hpp"
 #include "perception/parameters.hpp"
+#include "perception/pipe_slice.hpp"
 #include "perception/repetition.hpp"
 #include "perception/ring_finder.hpp"
 #include "robot/description.hpp"
@@ -62,6 +63,7 @@ class Perception {
   Parameters parameters_;
   Odometry odometry_;
   AttitudeFilter attitude_;
+  PipeSliceTracker wall_;
   LaserTracker laser_;
   IrLandmarks ir_;
   Repetition repetition_;

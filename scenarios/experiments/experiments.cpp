@@ -11,7 +11,9 @@
 
 #include "base/input_error.hpp"
 #include "scenarios/experiments/experiment.hpp"
+#include "scenarios/experiments/ir_landmarks.hpp"
 #include "scenarios/experiments/laser_accuracy.hpp"
+#include "scenarios/experiments/laser_landmarks.hpp"
 #include "scenarios/experiments/locomotion.hpp"
 #include "scenarios/experiments/realism.hpp"
 #include "scenarios/experiments/stereo_accuracy.hpp"
@@ -23,6 +25,7 @@ namespace {
 
 const std::vector<Experiment>& All() {
   static const std::vector<Experiment> all{LocomotionExperiment(),     LaserAccuracyExperiment(),
+                                           LaserLandmarksExperiment(), IrLandmarksExperiment(),
                                            StereoAccuracyExperiment(), StereoSpeedExperiment(),
                                            StereoPairsExperiment(),    RealismExperiment()};
   return all;

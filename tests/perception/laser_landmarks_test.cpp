@@ -154,6 +154,74 @@ TEST(LaserLandmarks, DoNotCallExactlyTheThresholdOpen) {
   EXPECT_TRUE(Read({.pipe_radius_m = 0.176}).top_open);
 }
 
+/// Read by beams against the circle of the wall, as it was before the landmark.
+LaserObservation ReadOurs(const Walls& walls, const robot::LaserRevolution& revolution) {
+  Walls before = walls;
+  before.top = before.left = before.right = false;
+  LaserParameters parameters;
+  parameters.method = LaserMethod::kOurs;
+  return ReadWindows(revolution, {}, parameters, FitPipeSlice(Scan(before)))
+      .value_or(LaserObservation{});
+}
+LaserObservation ReadOurs(const Walls& walls) { return ReadOurs(walls, Scan(walls)); }
+
+/// The same in a channel that reaches the crown, under a shaft: upright walls above the axis.
+robot::LaserRevolution ScanChannel(double radius_m, bool left = false) {
+  robot::LaserRevolution revolution = Scan({.pipe_radius_m = radius_m});
+  for (robot::LaserSample& sample : revolution.samples) {
+    const double up = std::sin(sample.angle_rad), right = std::cos(sample.angle_rad);
+    if (up > 0) sample.range_m = radius_m / std::max(1e-9, std::abs(right));
+    if (left && right < -0.5 && up > -0.9) sample.range_m = 1.0;
+    sample.status = sample.range_m > 0.190 ? RangeStatus::kTooFar : RangeStatus::kValid;
+    sample.range_m = std::min(sample.range_m, 0.190);
+  }
+  return revolution;
+}
+
+// Table 5.3's threshold calls the wall of a 350 mm pipe open as soon as the scanner is off the
+// axis.
+TEST(OurLaserLandmarks, SeeNoLandmarkInAPipeAsWideAsTheThreshold) {
+  const Walls askew{.pipe_radius_m = 0.175, .height_m = -0.010};
+  EXPECT_EQ(Read(askew).status, LaserStatus::kManhole);
+  EXPECT_EQ(ReadOurs(askew).status, LaserStatus::kNoLandmark);
+}
+
+// Out of the scanner's reach there is no evidence.
+TEST(OurLaserLandmarks, DoNotTakeACrownOutOfReachForAShaft) {
+  const Walls low{.pipe_radius_m = 0.175, .height_m = -0.020};
+  EXPECT_EQ(Read(low).status, LaserStatus::kManhole);
+  EXPECT_EQ(ReadOurs(low).status, LaserStatus::kNoLandmark);
+}
+
+TEST(OurLaserLandmarks, FindInletsInEveryPipe) {
+  for (const double radius_m : {0.100, 0.125, 0.150, 0.175}) {
+    EXPECT_EQ(ReadOurs({.pipe_radius_m = radius_m, .left = true}).status, LaserStatus::kInletLeft);
+    EXPECT_EQ(ReadOurs({.pipe_radius_m = radius_m, .right = true}).status,
+              LaserStatus::kInletRight);
+  }
+}
+
+// An inlet 20° above the side leaves more than half of the thesis' window to the wall.
+TEST(OurLaserLandmarks, FindAnInletThatIsNotLevel) {
+  const Walls rolled{.roll_rad = 22 * pi / 180, .left = true};
+  EXPECT_EQ(Read(rolled).status, LaserStatus::kNoLandmark);
+  EXPECT_EQ(ReadOurs(rolled).status, LaserStatus::kInletLeft);
+}
+
+TEST(OurLaserLandmarks, TellAnInletAtTheCrownFromAManhole) {
+  EXPECT_EQ(Read({.top = true}).status, LaserStatus::kManhole);  // 120 mm wide in 300 mm
+  EXPECT_EQ(ReadOurs({.top = true}).status, LaserStatus::kNoLandmark);
+}
+
+TEST(OurLaserLandmarks, FindManholesAndTheirBranchesInEveryPipe) {
+  for (const double radius_m : {0.100, 0.125, 0.150, 0.175}) {
+    const Walls pipe{.pipe_radius_m = radius_m};
+    EXPECT_EQ(ReadOurs(pipe, ScanChannel(radius_m)).status, LaserStatus::kManhole);
+    EXPECT_EQ(ReadOurs(pipe, ScanChannel(radius_m, true)).status,
+              LaserStatus::kManholeWithJunction);
+  }
+}
+
 LaserObservation At(int ms, bool top, bool left = false) {
   LaserObservation observation;
   observation.captured_at = std::chrono::milliseconds(ms);
@@ -202,6 +270,18 @@ TEST(LaserTracker, KeepsItsWindowsApart) {
   ASSERT_EQ(edges.size(), 1U);
   EXPECT_EQ(edges[0].window, LaserWindow::kLeft);
   EXPECT_EQ(edges[0].at, std::chrono::milliseconds(33));
+}
+
+// The mirror looks up a quarter after the turn's begin, so three quarters before its end; the edge
+// passed between two such looks. The left is seen at half a turn.
+TEST(LaserTracker, DatesAnEdgeWithinTheTurn) {
+  LaserTracker tracker(1, std::chrono::milliseconds(40));
+  const auto edges = tracker.Update(At(1000, true, true));
+  ASSERT_EQ(edges.size(), 2U);
+  EXPECT_EQ(edges[0].window, LaserWindow::kTop);
+  EXPECT_EQ(edges[0].at, std::chrono::milliseconds(1000 - 30 - 20));
+  EXPECT_EQ(edges[1].window, LaserWindow::kLeft);
+  EXPECT_EQ(edges[1].at, std::chrono::milliseconds(1000 - 20 - 20));
 }
 
 TEST(LaserTracker, NeedsAtLeastOneRevolution) {

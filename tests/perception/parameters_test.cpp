@@ -66,6 +66,7 @@ TEST(PerceptionParameters, RefuseWrongValues) {
   ExpectRefused("threshold_mm: 175", "threshold_mm: -175", "laser.threshold_mm");
   ExpectRefused("threshold_mm: 175", "threshold_mm: 200", "laser.far_limit_mm");
   ExpectRefused("revolutions: 3", "revolutions: 0", "laser.revolutions");
+  ExpectRefused("method: thesis", "method: theirs", "laser.method");
   ExpectRefused("far_mm: 1600", "far_mm: 200", "rings.far_mm");
   ExpectRefused("sobel", "canny", "faults.edge_operator");
   ExpectRefused("horizontal_threshold: 0.97", "horizontal_threshold: 1.2",
