@@ -7,8 +7,9 @@
 namespace kantaro::sim {
 namespace {
 
-/// Motion by less than this is not seen [px]: in an exposure, and between two fields.
-constexpr double kUnseenBlur_px = 1.0;
+/// Motion by less than this is not seen [px]: in an exposure, where 1.5 spread an edge less than
+/// lens and pixel do (1.5²/12 is 0.19 px², theirs 0.25 and more), and between two fields.
+constexpr double kUnseenBlur_px = 1.5;
 constexpr double kUnseenComb_px = 0.5;
 constexpr int kMostTaps = 8;
 

@@ -349,6 +349,22 @@ TEST(Imager, ShowsTwoMomentsIfItIsInterlaced) {
   EXPECT_NEAR(Step(image, 121).first - Step(image, 120).first, way_px, 0.1);
 }
 
+// Whatever moves, an even wall is even to the picture's last row and column: none looks past the
+// ideal picture's rim.
+TEST(Imager, DrawsAnEvenWallEvenlyToItsRim) {
+  robot::Camera camera = Robot().front_camera;
+  camera.sensor = Pinhole().sensor;
+  camera.sensor.interlaced = true;
+  const Imager imager(camera);
+  const RayCaster rays = StraightPipe(0.150);
+  const MotionField field(imager.lens(), rays, OnTheAxis(), {{0.0, 0.0, 0.12}, {0.3, 0.5, 0.0}});
+  cv::Mat ideal = Grey(imager.lens(), 120);
+  cv::rectangle(ideal, {0, 0, ideal.cols, ideal.rows}, cv::Scalar(0, 0, 90));
+  double least = 0.0, most = 0.0;
+  cv::minMaxLoc(Expose(imager, ideal, field).reshape(1), &least, &most);
+  EXPECT_LE(most - least, 1.0);
+}
+
 // In its middle a drop that squeezes by s shows the picture (1 − s) times as large, so upside down.
 TEST(LensDrops, TurnThePictureOverAndLeaveTheRestAlone) {
   const robot::Camera camera = Pinhole();
