@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "base/random.hpp"
+
 namespace kantaro::sim {
 namespace {
 
@@ -92,6 +94,26 @@ TEST(RayCasterTest, ABatchAnswersAsSingleRaysDo) {
   }
   EXPECT_GT(misses, 0);
   EXPECT_THROW(caster.Cast(rays, 0.4, std::span(hits).first(3)), std::invalid_argument);
+}
+
+// Embree takes 4, 8 or 16 numbers at once, fused or not, as the processor can.
+TEST(RayCasterTest, HitsAreTheSameWhicheverInstructionsEmbreeUses) {
+  const SurfaceMesh mesh = Tessellate(Pipe());
+  const RayCaster usual(mesh);
+  const RayCaster narrow(mesh, "sse2");
+  RandomStream random(1, "rays");
+  for (int i = 0; i < 20000; ++i) {
+    const Vector3d p_W(random.Uniform(0.5, 3.5), random.Uniform(-0.1, 0.1),
+                       random.Uniform(-0.1, 0.1));
+    const Vector3d direction =
+        Vector3d(random.Normal(1.0), random.Normal(1.0), random.Normal(1.0)).normalized();
+    const auto one = usual.Cast(p_W, direction, 0.5);
+    const auto other = narrow.Cast(p_W, direction, 0.5);
+    ASSERT_EQ(one.has_value(), other.has_value());
+    if (!one) continue;
+    ASSERT_EQ(one->range_m, other->range_m);
+    ASSERT_EQ(one->normal_W, other->normal_W);
+  }
 }
 
 TEST(RayCasterTest, AnEmptyMeshHasNoWalls) {
