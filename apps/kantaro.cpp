@@ -61,7 +61,8 @@ struct Words {
   std::string file, to, out, junit, baseline, pipe, chainage, pipes, length, spacing, count, page,
       from, photos, scans, controller, laser, noise, cut_controller, cut_laser, cut_front;
   std::string pace{"real"};
-  std::string seed{"1"}, seeds{"1"}, jobs, robot{"models/kantaro"}, other_robot, hardware{"sim"};
+  std::string seed{"1"}, seeds{"1"}, jobs, robot{"models/kantaro"}, other_robot, hardware{"sim"},
+      render_threads{"2"};
   bool record{}, json{};
 };
 
@@ -128,6 +129,7 @@ int Dispatch(const CLI::App& app, const Words& words) {
                                   ParseBlind(words.blind),
                                   scenarios::ParseHardware(words.hardware),
                                   words.record,
+                                  Parse<int>("--render-threads", words.render_threads, 0, 64),
                                   words.json};
     return scenarios::Run(request, std::cout);
   }
@@ -200,6 +202,9 @@ void Declare(CLI::App& app, Words& words) {
 
   run->add_option("--hardware", words.hardware,
                   "what to drive: sim (default), replay:RECORDING, device:CONFIG");
+  run->add_option("--render-threads", words.render_threads,
+                  "threads that draw for the cameras beside the physics (default 2; 0: none "
+                  "beside it); results are the same");
   run->add_flag("--record", words.record, "write every reading and command as a ROS bag");
 
   CLI::App* firmware =

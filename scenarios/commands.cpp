@@ -85,6 +85,7 @@ Result RunOne(const Scenario& scenario, const RunRequest& request,
   const ProgressLine line;
   RunOptions options;
   options.hardware = request.hardware;
+  options.render_threads = request.render_threads;
   options.progress = [&](double sim_s, double limit_s) {
     line.Show(fmt::format("{} seed {}: {:.0f} s of at most {:.0f} s", scenario.name, seed, sim_s,
                           limit_s));

@@ -32,6 +32,7 @@ struct RunRequest {
   std::set<robot::Sensor> blind;  ///< dead from the beginning
   HardwareChoice hardware;        ///< what is driven
   bool record{};                  ///< writes `recording.bag` into the run folder
+  int render_threads{2};          ///< beside the physics
   bool json{};
 };
 /// Runs each scenario once. With several, the JSON document is a list of results.

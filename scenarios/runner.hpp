@@ -15,7 +15,7 @@ namespace kantaro::scenarios {
 
 struct RunOptions {
   HardwareChoice hardware;  ///< the twin, or what a file names
-  int render_threads{2};    ///< decides speed, never a result
+  int render_threads{2};    ///< beside the physics; decides speed, never a result
   /// Told now and then how far the run is: simulated time and its limit [s]. May be empty.
   std::function<void(double sim_s, double limit_s)> progress;
   /// Makes another body than `hardware` names. May be empty.

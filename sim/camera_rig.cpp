@@ -1,5 +1,6 @@
 #include "sim/camera_rig.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "base/random.hpp"
@@ -22,12 +23,14 @@ cv::Mat Take(const Shot& shot, const RayCaster& rays, Renderer& renderer,
 CameraRig::CameraRig(std::shared_ptr<const Scenery> scenery, std::shared_ptr<const RayCaster> rays,
                      cv::Size largest, int threads)
     : rays_(std::move(rays)) {
-  if (threads < 1) throw std::invalid_argument("cameras need at least one render thread");
+  if (threads < 0) throw std::invalid_argument("less than no render thread");
   const RendererOptions options{largest.width, largest.height};
-  for (int i = 0; i < threads; ++i)
+  for (int i = 0; i < std::max(1, threads); ++i)
     renderers_.push_back(std::make_unique<Renderer>(scenery, options));
-  for (const auto& renderer : renderers_)
+  for (const auto& renderer : renderers_) {
+    if (threads == 0) break;
     threads_.emplace_back([this, &renderer] { Work(*renderer); });
+  }
 }
 
 CameraRig::~CameraRig() {
@@ -43,6 +46,10 @@ std::future<cv::Mat> CameraRig::Capture(Shot shot) {
     return Take(shot, *rays_, renderer, scratch);
   });
   std::future<cv::Mat> image = job.get_future();
+  if (threads_.empty()) {
+    job(*renderers_.front(), scratch_);
+    return image;
+  }
   {
     const std::lock_guard lock(mutex_);
     jobs_.push_back(std::move(job));

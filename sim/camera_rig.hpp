@@ -26,13 +26,14 @@ struct Shot {
   std::string noise_stream;  ///< names the sensor noise of this one image
 };
 
-/// Takes camera images on worker threads while the physics goes on. An image depends on its shot
-/// alone, never on the thread or the order.
+/// Takes camera images on worker threads while the physics goes on, or at once. An image depends on
+/// its shot alone, never on the thread or the order.
 class CameraRig {
  public:
   /// @param rays  tell how far the walls are, for the blur of motion.
   /// @param largest  ideal picture that any shot will ask for.
-  /// @throws RenderingUnavailable. @throws std::invalid_argument for less than one thread.
+  /// @param threads  beside the caller's; 0: Capture() takes the picture before it returns.
+  /// @throws RenderingUnavailable. @throws std::invalid_argument for less than none.
   CameraRig(std::shared_ptr<const Scenery> scenery, std::shared_ptr<const RayCaster> rays,
             cv::Size largest, int threads);
   ~CameraRig();
@@ -47,6 +48,7 @@ class CameraRig {
 
   std::shared_ptr<const RayCaster> rays_;
   std::vector<std::unique_ptr<Renderer>> renderers_;
+  Imager::Scratch scratch_;  ///< where there are no threads
   std::mutex mutex_;
   std::condition_variable work_;
   std::deque<Job> jobs_;

@@ -53,7 +53,7 @@ struct Conditions {
   double mast_diameter_m{0.300};  ///< the mast was set for this pipe
   double battery_charge{1.0};     ///< at the start, 0 to 1
   double time_limit_s{600.0};     ///< Read() ends the run here
-  int render_threads{2};          ///< beside the physics; decides speed, never a result
+  int render_threads{2};  ///< beside the physics, or 0: in its own; decides speed, never a result
 };
 
 /// What is really so, for the judge alone.

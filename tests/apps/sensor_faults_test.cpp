@@ -98,15 +98,18 @@ INSTANTIATE_TEST_SUITE_P(, SpoiltSensor,
                                           kEveryKind),
                          CaseName);
 
-class SpoiltCamera : public testing::TestWithParam<FaultKind> {};
+class SpoiltCameras : public testing::TestWithParam<FaultKind> {};
 
-TEST_P(SpoiltCamera, KeepsTheRobotFromNothing) {
+// All of them, soon after the start.
+TEST_P(SpoiltCameras, KeepTheRobotFromNothing) {
   Scenario scenario = Mission("short_mission.yaml");
-  scenario.faults.push_back(Spoilt(Sensor::kFrontCamera, GetParam(), 4.0));
+  scenario.start.chainage_m = 1.2;
+  for (const Sensor camera : {Sensor::kFrontCamera, Sensor::kStereoCameras})
+    scenario.faults.push_back(Spoilt(camera, GetParam(), 2.0));
   EXPECT_TRUE(RunSafely(scenario).finished) << "the other sensors are enough";
 }
 
-INSTANTIATE_TEST_SUITE_P(, SpoiltCamera, testing::Values(FaultKind::kFrozen, FaultKind::kBiased),
+INSTANTIATE_TEST_SUITE_P(, SpoiltCameras, kEveryKind,
                          [](const auto& fault) { return robot::ToString(fault.param); });
 
 /// The mission of the tee with one fault from a time on.
