@@ -239,7 +239,7 @@ void Declare(CLI::App& app, Words& words) {
   suite->add_option("--junit", words.junit, "write JUnit XML here");
   suite->add_option("--baseline", words.baseline, "suite.json of an earlier suite");
   suite->add_option("--out", words.out,
-                    "folder of suite.json and the run folders (default runs/suite)");
+                    "folder of suite.json, suite.html and the run folders (default runs/suite)");
   suite
       ->add_option("--blind", words.blind,
                    "sensors to take from the robot, such as laser,infrared,cameras")

@@ -19,6 +19,7 @@ struct ChildResult {
 
 /// Runs the jobs, up to `parallel` at once, and hands each result over as it ends.
 /// @param done  called with the job's position and its result, in the order of ending.
+/// A signal that ends this process (SIGTERM, SIGINT, SIGHUP) ends them first.
 /// @throws std::runtime_error if a process cannot be started.
 void RunChildren(const std::vector<ChildJob>& jobs, unsigned parallel,
                  const std::function<void(std::size_t job, const ChildResult& result)>& done);

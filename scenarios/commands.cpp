@@ -198,9 +198,11 @@ int Suite(const SuiteRequest& request, std::ostream& out) {
   const Comparison* compared = comparison ? &*comparison : nullptr;
   const std::string json = SuiteJson(results, compared, options.out).dump(2) + "\n";
   WriteFileAtomically(options.out / "suite.json", json);
+  const std::filesystem::path page = options.out / "suite.html";
+  WriteFileAtomically(page, SuiteHtml(results, compared, options.out));
   if (request.junit) WriteFileAtomically(*request.junit, JunitXml(results));
   out << (request.json ? json : SuiteTable(results, compared));
-  if (!request.json) out << fmt::format("results: {}\n", (options.out / "suite.json").string());
+  if (!request.json) out << fmt::format("report: {}\n", page.string());
   return AllPassed(results) ? kExitPassed : kExitFailed;
 }
 

@@ -83,6 +83,11 @@ struct Comparison {
 /// JUnit XML as CI servers read it: a suite for each scenario, a case for each seed.
 [[nodiscard]] std::string JunitXml(const std::vector<CaseResult>& results);
 
+/// The same for a browser, self-contained: a table of the missions, those that did not pass first,
+/// each with a link to its report. @param out  folder that the page will lie in.
+[[nodiscard]] std::string SuiteHtml(const std::vector<CaseResult>& results,
+                                    const Comparison* comparison, const std::filesystem::path& out);
+
 /// A table for a terminal: a line for each scenario, then every mission that did not pass, then the
 /// comparison.
 [[nodiscard]] std::string SuiteTable(const std::vector<CaseResult>& results,

@@ -1,6 +1,9 @@
 #include "scenarios/suite.hpp"
 
 #include <gmock/gmock.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 
@@ -93,6 +96,49 @@ TEST(RunChildren, SurvivesMoreOutputThanAPipeHolds) {
                 size = result.out.size() + result.err.size();
               });
   EXPECT_EQ(size, 600000u);
+}
+
+// As a scheduler stops a suite: its missions are not to go on without it.
+TEST(RunChildren, EndsThemWhenItIsEnded) {
+  const auto folder =
+      std::filesystem::path(testing::TempDir()) / ("ended-" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  const pid_t parent = fork();
+  if (parent == 0) {
+    const std::string told = "echo $$ > " + (folder / "$0.part").string() + "; mv " +
+                             (folder / "$0.part").string() + " " + (folder / "$0").string() +
+                             "; exec sleep 600";
+    RunChildren({{{"/bin/sh", "-c", told, "one"}}, {{"/bin/sh", "-c", told, "two"}}}, 2,
+                [](std::size_t, const ChildResult&) {});
+    _exit(0);
+  }
+  const auto child = [&](const char* name) -> pid_t {
+    while (!std::filesystem::exists(folder / name)) usleep(10000);
+    return std::stoi(ReadInputFile(folder / name));
+  };
+  const pid_t one = child("one"), two = child("two");
+  kill(parent, SIGTERM);
+  int status = 0;
+  waitpid(parent, &status, 0);
+  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM);
+  EXPECT_EQ(kill(one, 0), -1) << "it is still there";
+  EXPECT_EQ(kill(two, 0), -1) << "it is still there";
+  std::filesystem::remove_all(folder);
+}
+
+TEST(SuiteHtml, ShowsFirstWhatFailedAndLinksToEachReport) {
+  std::vector<CaseResult> results{Case("a", 1, Outcome::kPassed, 0.1),
+                                  Case("b", 2, Outcome::kFailed, 0.7),
+                                  Case("c", 3, Outcome::kCrashed, 0.0)};
+  results[0].mission.run_folder = "out/a/seed-1";
+  results[1].mission.run_folder = "out/b/seed-2";
+  const std::string page = SuiteHtml(results, nullptr, "out");
+  EXPECT_THAT(page, HasSubstr("<title>1 of 3 missions passed</title>"));
+  EXPECT_THAT(page, HasSubstr(R"(<a href="a/seed-1/report.html">a · seed 1</a>)"));
+  EXPECT_LT(page.find("b/seed-2/report.html"), page.find("a/seed-1/report.html"));
+  EXPECT_THAT(page, HasSubstr("stopped &lt;short&gt; of &quot;B&quot;"));
+  EXPECT_THAT(page, testing::Not(HasSubstr("c/report.html"))) << "it has none";
+  EXPECT_THAT(page, HasSubstr("70 cm"));
 }
 
 TEST(Comparison, NamesWhatGotWorseAndWhere) {
