@@ -76,10 +76,11 @@ class HeldSignals {
   HeldSignals(const HeldSignals&) = delete;
   HeldSignals& operator=(const HeldSignals&) = delete;
 
+  /// The next of them; SIGCHLD after a while too, as another thread may have got that one.
   [[nodiscard]] int Wait() const {
-    int signal = 0;
-    sigwait(&held_, &signal);
-    return signal;
+    constexpr timespec kAWhile{0, 200'000'000};
+    const int signal = sigtimedwait(&held_, nullptr, &kAWhile);
+    return signal > 0 ? signal : SIGCHLD;
   }
   [[nodiscard]] const sigset_t& before() const { return before_; }
 
