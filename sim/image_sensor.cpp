@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "sim/renderer.hpp"
+#include "sim/sensor_noise.hpp"
 
 namespace kantaro::sim {
 namespace {
@@ -14,23 +15,6 @@ constexpr int kLevels = 256;
 constexpr int kTransmissions = 128;
 /// Below this signal the camera's curve leaves the renderer's, whose slope has no end.
 constexpr double kToe = 0.02;
-/// A prime, so that no image width divides it and rows do not repeat under each other.
-constexpr std::size_t kField = 1'000'003;
-constexpr int kUnit = 32;  ///< one standard deviation in the field's integers
-
-const std::vector<std::int8_t>& Field() {
-  static const std::vector<std::int8_t> field = [] {
-    RandomStream random(0, "image noise field");
-    std::vector<std::int8_t> values(kField);
-    for (std::int8_t& value : values) {
-      value = static_cast<std::int8_t>(
-          std::lround(std::fmin(std::fmax(random.Normal(kUnit), -127.0), 127.0)));
-    }
-    return values;
-  }();
-  return field;
-}
-
 /// The light that the renderer draws as each level.
 const std::array<double, kLevels>& Radiances() {
   static const std::array<double, kLevels> radiances = [] {
@@ -107,13 +91,13 @@ ImageSensorModel::ImageSensorModel(const robot::ImageSensor& sensor, const cv::M
 void ImageSensorModel::Expose(cv::Mat& image, RandomStream& random) const {
   if (image.type() != CV_8UC3 || image.size() != rows_.size())
     throw std::invalid_argument("a sensor takes 8-bit BGR pictures of its own size");
-  const std::vector<std::int8_t>& field = Field();
-  std::size_t at = random.Index(kField);
+  const std::span<const std::int8_t> field = NoiseField();
+  std::size_t at = random.Index(field.size());
   const auto width = static_cast<std::size_t>(image.cols);
   // Looked up first, reckoned then: processors do the second step many at a time.
   std::vector<std::int16_t> mean(3 * width), deviation(3 * width);
   for (int y = 0; y < image.rows; ++y) {
-    if (at + 3 * width > kField) at -= kField - 3 * width;
+    if (at + 3 * width > field.size()) at -= field.size() - 3 * width;
     auto* pixel = image.ptr<std::uint8_t>(y);
     LookUp(rows_.ptr<std::uint8_t>(y), pixel, mean, deviation);
     AddNoise(mean, deviation, field.data() + at, pixel);

@@ -9,23 +9,7 @@
 namespace kantaro::sim {
 namespace {
 
-/// A prime, so that no image width divides it and rows do not repeat under each other.
-constexpr std::size_t kField = 1'000'003;
-constexpr int kUnit = 32;  ///< one standard deviation in the field's integers
-constexpr int kHalf = 256 * kUnit / 2;
-
-const std::vector<std::int8_t>& Field() {
-  static const std::vector<std::int8_t> field = [] {
-    RandomStream random(0, "image noise field");
-    std::vector<std::int8_t> values(kField);
-    for (std::int8_t& value : values) {
-      value = static_cast<std::int8_t>(
-          std::lround(std::fmin(std::fmax(random.Normal(kUnit), -127.0), 127.0)));
-    }
-    return values;
-  }();
-  return field;
-}
+constexpr int kHalf = 256 * kNoiseUnit / 2;
 
 /// Standard deviation for each level, in 1/256 levels.
 std::array<int, 256> Deviations(const ImageNoise& noise) {
@@ -39,18 +23,33 @@ std::array<int, 256> Deviations(const ImageNoise& noise) {
 
 }  // namespace
 
+std::span<const std::int8_t> NoiseField() {
+  /// A prime, so that no image width divides it and rows do not repeat under each other.
+  constexpr std::size_t kField = 1'000'003;
+  static const std::vector<std::int8_t> field = [] {
+    RandomStream random(0, "image noise field");
+    std::vector<std::int8_t> values(kField);
+    for (std::int8_t& value : values) {
+      value = static_cast<std::int8_t>(
+          std::lround(std::fmin(std::fmax(random.Normal(kNoiseUnit), -127.0), 127.0)));
+    }
+    return values;
+  }();
+  return field;
+}
+
 void AddSensorNoise(cv::Mat& image, RandomStream& random, const ImageNoise& noise) {
   if (image.type() != CV_8UC3) throw std::invalid_argument("sensor noise goes on 8-bit BGR images");
-  const std::vector<std::int8_t>& field = Field();
+  const std::span<const std::int8_t> field = NoiseField();
   const std::array<int, 256> deviations = Deviations(noise);
-  std::size_t at = random.Index(kField);
+  std::size_t at = random.Index(field.size());
   for (int y = 0; y < image.rows; ++y) {
     auto* row = image.ptr<std::uint8_t>(y);
     for (int x = 0; x < 3 * image.cols; ++x) {
       const int change =
-          (deviations[row[x]] * field[at] + kHalf) >> 13;  // / (256 * kUnit), rounded
+          (deviations[row[x]] * field[at] + kHalf) >> 13;  // / (256 * kNoiseUnit), rounded
       row[x] = cv::saturate_cast<std::uint8_t>(row[x] + change);
-      if (++at == kField) at = 0;
+      if (++at == field.size()) at = 0;
     }
   }
 }
