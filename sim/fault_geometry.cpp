@@ -470,8 +470,10 @@ std::vector<Visual> BuildFault(const network::PipeAxis& axis, double pipe_radius
 
 std::vector<Visual> BuildJointRims(const network::PipeAxis& axis, double pipe_radius_m,
                                    const network::Joint& joint, RandomStream& random,
-                                   const Look& look) {
+                                   const Look& look,
+                                   const std::function<bool(const Vector3d&)>& in_groove) {
   constexpr int kSteps = 96;
+  constexpr double kLook_m = 0.0002, kStep_m = 0.0005, kFurthest_m = 0.05;
   const RolledWall wall(axis, pipe_radius_m, joint.chainage_m, 12.0);
   std::vector<Visual> rims;
   for (const double side : {-1.0, 1.0}) {
@@ -480,7 +482,10 @@ std::vector<Visual> BuildJointRims(const network::PipeAxis& axis, double pipe_ra
     for (int i = 0; i <= kSteps; ++i) {
       const double angle = kTurn * i / kSteps;
       const double v = angle * pipe_radius_m;
-      const double inner_m = side * joint.gap_m / 2.0;
+      double inner_m = side * joint.gap_m / 2.0;
+      while (std::abs(inner_m) < joint.gap_m / 2.0 + kFurthest_m &&
+             in_groove(wall.At({inner_m + side * kLook_m, v}, -kLook_m)))
+        inner_m += side * kStep_m;
       const double outer_m = inner_m + side * std::max(0.001, 0.004 + 0.0026 * edge.At(angle));
       stations.push_back({{std::max(inner_m, outer_m), v}, {std::min(inner_m, outer_m), v}});
     }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 #include "base/random.hpp"
@@ -24,8 +26,11 @@ struct Visual {
 
 /// The ragged mortar, scale or dirt on both sides of a joint's groove: what makes a joint a ring to
 /// a camera whose line of sight passes over the groove itself.
-[[nodiscard]] std::vector<Visual> BuildJointRims(const network::PipeAxis& axis,
-                                                 double pipe_radius_m, const network::Joint& joint,
-                                                 RandomStream& random, const Look& look);
+/// @param in_groove  whether a point lies in the joint's groove: on the inside of a deflection it
+///                   reaches further than the gap.
+[[nodiscard]] std::vector<Visual> BuildJointRims(
+    const network::PipeAxis& axis, double pipe_radius_m, const network::Joint& joint,
+    RandomStream& random, const Look& look,
+    const std::function<bool(const Eigen::Vector3d& p_W)>& in_groove);
 
 }  // namespace kantaro::sim

@@ -204,23 +204,44 @@ std::vector<Visual> CutWall(const Sewer& sewer, const SurfaceMesh& mesh,
   return visuals;
 }
 
+/// The grooves of each pipe's joints.
+std::vector<std::vector<const VoidPrimitive*>> Grooves(const Sewer& sewer) {
+  std::vector<std::vector<const VoidPrimitive*>> grooves(sewer.network.pipes.size());
+  for (const VoidPrimitive& primitive : sewer.voids) {
+    if (primitive.feature == Feature::kJoint)
+      grooves[sewer.parts[primitive.part].index].push_back(&primitive);
+  }
+  return grooves;
+}
+
 /// Faults and the dirt at joints.
 std::vector<Visual> BuildDetails(const Sewer& sewer, const SceneryOptions& options) {
+  constexpr double kFurthest_m = 0.1;  ///< that a groove reaches over its gap
   std::vector<Visual> details;
+  const std::vector<std::vector<const VoidPrimitive*>> grooves = Grooves(sewer);
   const auto keep = [&](std::vector<Visual> some) {
     std::ranges::move(some, std::back_inserter(details));
   };
   for (std::size_t i = 0; i < sewer.network.pipes.size(); ++i) {
     const network::Pipe& pipe = sewer.network.pipes[i];
-    const double radius_m = pipe.diameter_m / 2.0;
     for (const network::Fault& fault : pipe.faults) {
       RandomStream random(options.seed, fmt::format("fault {} {}", pipe.name, fault.name));
+      const double radius_m = pipe.DiameterAt(fault.chainage_m) / 2.0;
       keep(BuildFault(sewer.axes[i], radius_m, fault, random));
     }
     for (std::size_t k = 0; k < pipe.joints.size(); ++k) {
       RandomStream random(options.seed, fmt::format("joint {} {}", pipe.name, k));
-      keep(BuildJointRims(sewer.axes[i], radius_m, pipe.joints[k], random,
-                          LookOfJoint(pipe, k, options)));
+      const network::Joint& joint = pipe.joints[k];
+      std::vector<const VoidPrimitive*> near;
+      std::ranges::copy_if(grooves[i], std::back_inserter(near), [&](const VoidPrimitive* groove) {
+        return std::abs(groove->start_chainage_m - joint.chainage_m) < joint.gap_m + kFurthest_m;
+      });
+      keep(BuildJointRims(sewer.axes[i], pipe.DiameterAt(joint.chainage_m) / 2.0, joint, random,
+                          LookOfJoint(pipe, k, options), [&](const Vector3d& p_W) {
+                            return std::ranges::any_of(near, [&](const VoidPrimitive* groove) {
+                              return InsideDistance(*groove, p_W) > 0.0;
+                            });
+                          }));
     }
   }
   return details;
