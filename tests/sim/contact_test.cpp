@@ -64,6 +64,54 @@ TEST(TorusContacts, FindsFloorAndEdgeAtAStep) {
   EXPECT_NEAR(edge.normal_W.z(), (hub_above_floor - 0.010) / 0.045, 0.02);
 }
 
+/// Pebbles around a wheel whose hub is at the origin, in its plane: each so many degrees from its
+/// lowest point (ahead is positive) and so deep in its tread.
+struct Pebble {
+  double ahead_deg{}, depth_m{};
+};
+const Torus kWheel{Vector3d::Zero(), Vector3d::UnitY(), 0.033, 0.012};
+
+Vector3d Outwards(double ahead_deg) {
+  const double angle = ahead_deg * std::numbers::pi / 180.0;
+  return {std::sin(angle), 0.0, -std::cos(angle)};
+}
+
+VoidField Among(const std::vector<Pebble>& pebbles) {
+  VoidPrimitive hall = Pipe(0.2);
+  hall.X_WS.translation().x() = -2.0;
+  std::vector<SolidPrimitive> solids;
+  for (const auto& [ahead_deg, depth_m] : pebbles) {
+    Ball ball;
+    ball.radius_m = 0.004;
+    ball.foot_m = -ball.radius_m;
+    ball.p_WB = (kWheel.ring_m + kWheel.tread_m + ball.radius_m - depth_m) * Outwards(ahead_deg);
+    SolidPrimitive& solid = solids.emplace_back();
+    solid.shape = ball;
+  }
+  return VoidField({hall}, solids);
+}
+
+// Normals 23 degrees apart count as one side, and that stands on its deepest place.
+TEST(TorusContacts, KeepsTheDeeperOfTwoOnOneSide) {
+  for (const double sign : {-1.0, 1.0}) {
+    const auto contacts =
+        TorusContacts(Among({{sign * 17.0, 0.002}, {sign * -6.0, 0.001}}), kWheel, 0.0);
+    ASSERT_EQ(contacts.size(), 1u);
+    EXPECT_NEAR(contacts[0].distance_m, -0.002, 1e-6);
+    EXPECT_LT((contacts[0].normal_W + Outwards(sign * 17.0)).norm(), 1e-3);
+  }
+}
+
+// Twelve on sides of their own, of which eight are kept.
+TEST(TorusContacts, KeepsTheDeepestAndGivesThemFirst) {
+  std::vector<Pebble> pebbles;
+  for (int i = 0; i < 12; ++i) pebbles.push_back({30.0 * i + 5.0, 1e-4 * ((7 * i) % 12 + 1)});
+  const auto contacts = TorusContacts(Among(pebbles), kWheel, 0.0);
+  ASSERT_EQ(contacts.size(), kMostContacts);
+  for (std::size_t i = 0; i < kMostContacts; ++i)
+    EXPECT_NEAR(contacts[i].distance_m, -1e-4 * (12.0 - static_cast<double>(i)), 1e-6) << i;
+}
+
 TEST(BoxContacts, ABoxLyingInAPipeIsHeldAtBothEndsAndBothSides) {
   const VoidField field({Pipe(0.150)});
   SolidBox box;

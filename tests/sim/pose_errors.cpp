@@ -77,9 +77,8 @@ class Measurement {
       truth = RingDistance(wheel) - kTread_m;
       if (truth > -0.005 && truth < kMargin_m) break;
     }
-    double found = kMargin_m;
-    for (const WallContact& contact : TorusContacts(field_, wheel, kMargin_m))
-      found = std::min(found, contact.distance_m);
+    const std::vector<WallContact> contacts = TorusContacts(field_, wheel, kMargin_m);
+    const double found = contacts.empty() ? kMargin_m : contacts.front().distance_m;
     Note(std::abs(found - truth), truth, errors_.wheels, "wheel", wheel.p_WT);
   }
 
