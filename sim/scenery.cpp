@@ -27,8 +27,9 @@ using Eigen::Vector2f;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-/// MuJoCo takes at most so many files at once; the others are the textures and the model.
-constexpr std::size_t kMostMeshes = mjMAXVFS - kPatternCount - 1;
+/// MuJoCo takes at most so many files at once; the others are the textures and the model. Further
+/// meshes are written into the model, which takes longer to read.
+constexpr std::size_t kMostMeshFiles = mjMAXVFS - kPatternCount - 1;
 
 /// How one primitive's wall is painted.
 struct Paint {
@@ -166,9 +167,9 @@ void GiveVolume(VisualMesh& mesh) {
   mesh.triangles.push_back({a, c, corner});
 }
 
-/// Cuts the wall into one mesh for each primitive and stretch of `chunk_m` along it.
+/// Cuts the wall into one mesh for each primitive and stretch of `chunk_length_m` along it.
 std::vector<Visual> CutWall(const Sewer& sewer, const SurfaceMesh& mesh,
-                            const SceneryOptions& options, double chunk_m) {
+                            const SceneryOptions& options) {
   std::map<std::pair<std::uint32_t, int>, std::vector<std::size_t>> groups;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const std::uint32_t owner = mesh.owner[t];
@@ -176,7 +177,7 @@ std::vector<Visual> CutWall(const Sewer& sewer, const SurfaceMesh& mesh,
         owner < sewer.voids.size()
             ? ToSweep(sewer.voids[owner], Middle(mesh, mesh.triangles[t])).along_m
             : 0.0;
-    groups[{owner, static_cast<int>(std::floor(along_m / chunk_m))}].push_back(t);
+    groups[{owner, static_cast<int>(std::floor(along_m / options.chunk_length_m))}].push_back(t);
   }
   std::vector<Visual> visuals;
   for (const auto& [key, triangles] : groups) {
@@ -250,17 +251,7 @@ std::vector<Visual> BuildDetails(const Sewer& sewer, const SceneryOptions& optio
 std::vector<Visual> BuildVisuals(const Sewer& sewer, const SurfaceMesh& mesh,
                                  const SceneryOptions& options) {
   std::vector<Visual> visuals = BuildDetails(sewer, options);
-  const std::size_t detail_count = visuals.size();
-  if (detail_count + sewer.voids.size() + sewer.solids.size() > kMostMeshes) {
-    throw std::invalid_argument(
-        fmt::format("a scenery holds {} pieces at most: give it the part of the network that the "
-                    "mission can reach",
-                    kMostMeshes));
-  }
-  double chunk_m = options.chunk_length_m;
-  std::vector<Visual> wall = CutWall(sewer, mesh, options, chunk_m);
-  while (detail_count + wall.size() > kMostMeshes)
-    wall = CutWall(sewer, mesh, options, chunk_m *= 2.0);
+  std::vector<Visual> wall = CutWall(sewer, mesh, options);
   std::ranges::move(wall, std::back_inserter(visuals));
   return visuals;
 }
@@ -308,6 +299,25 @@ void AddMesh(VirtualFiles& files, const std::string& name, const VisualMesh& mes
   files.Append(mesh.triangles.data(), triangles);
 }
 
+/// The same as an element of the model. Numbers read back as they were.
+std::string InlineMesh(const std::string& name, const VisualMesh& mesh) {
+  fmt::memory_buffer text;
+  const auto list = [&](const char* attribute, const auto& rows) {
+    fmt::format_to(std::back_inserter(text), "{}='", attribute);
+    for (const auto& row : rows) {
+      for (const auto value : row) fmt::format_to(std::back_inserter(text), "{} ", value);
+    }
+    text.push_back('\'');
+    text.push_back(' ');
+  };
+  fmt::format_to(std::back_inserter(text), "<mesh name='{}' ", name);
+  list("vertex", mesh.positions);
+  list("normal", mesh.normals);
+  list("texcoord", mesh.texture);
+  list("face", mesh.triangles);
+  return fmt::to_string(text) + "/>";
+}
+
 /// MuJoCo's own texture format.
 void AddTexture(VirtualFiles& files, const std::string& name, const cv::Mat& pattern) {
   const std::size_t bytes = pattern.total() * pattern.elemSize();
@@ -333,8 +343,12 @@ mjModel* Compile(const std::vector<Visual>& visuals, const SceneryOptions& optio
   }
   for (std::size_t i = 0; i < visuals.size(); ++i) {
     const Visual& visual = visuals[i];
-    AddMesh(files, fmt::format("{}.msh", i), visual.mesh);
-    assets += fmt::format("<mesh file='{}.msh'/>", i);
+    if (i < kMostMeshFiles) {
+      AddMesh(files, fmt::format("{}.msh", i), visual.mesh);
+      assets += fmt::format("<mesh file='{}.msh'/>", i);
+    } else {
+      assets += InlineMesh(fmt::format("{}", i), visual.mesh);
+    }
     const Vector3d& p = visual.mesh.p_WO;
     geoms += fmt::format(
         "<geom type='mesh' mesh='{}' material='pattern{}' pos='{} {} {}' contype='0' "

@@ -143,6 +143,20 @@ TEST(RenderDepth, IsWhereRaysMeetTheCylinder) {
   ExpectCylinderDepth(Plain().sewer, Plain().renderer);
 }
 
+// MuJoCo takes 2,000 files: the walls come after more cracks than that.
+TEST(RenderDepth, IsWhereRaysMeetTheCylinderInASceneryOfThousandsOfPieces) {
+  std::vector<network::Fault> cracks;
+  for (int i = 0; i < 2010; ++i) {
+    cracks.push_back({std::to_string(i), network::FaultCategory::kCrack, network::FaultRank::kC,
+                      0.5 + 0.001 * i, 0.1 + 0.005 * i, 0.004, 0.002});
+  }
+  const Sewer sewer = StraightPipe(cracks);
+  const auto scenery = SceneryOf(sewer);
+  ASSERT_GT(scenery->pieces().size(), 2000U);
+  Renderer renderer(scenery);
+  ExpectCylinderDepth(sewer, renderer);
+}
+
 TEST(RenderDepth, IsAsGoodFarFromTheMapsOrigin) {
   const Sewer sewer = StraightPipe({}, {633000.0, 6135000.0, 40.0});
   Renderer renderer(SceneryOf(sewer));

@@ -137,6 +137,26 @@ TEST(Sediment, IsLevelAcrossAndSlopesAtItsEnds) {
   EXPECT_TRUE(wall.normal_W.isApprox(normal, 1e-9));
 }
 
+// On a fall of 5 % it is as deep at its upper end as at its lower, and level across.
+TEST(Sediment, FollowsTheInvertOfASlopingPipe) {
+  network::Network net = Straight();
+  net.manholes[0].p_WM.z() += 0.05 * 4.8;
+  network::Obstacle bed = Something(network::ObstacleKind::kSediment);
+  bed.height_m = 0.030;
+  bed.length_m = 1.0;
+  net.pipes[0].obstacles = {bed};
+  const Sewer sewer = BuildSewer(net);
+  const VoidField field(sewer.voids, sewer.solids);
+  for (const double chainage_m : {1.7, 2.3}) {
+    const Eigen::Isometry3d X_WP = sewer.axes[0].PoseAt(chainage_m);
+    for (const double left_m : {-0.06, 0.06}) {
+      const Wall wall = Nearest(field, X_WP * Vector3d(0.0, left_m, -0.110));
+      EXPECT_NEAR(wall.distance_m, 0.010, 1e-9) << chainage_m << " " << left_m;
+      EXPECT_NEAR(wall.normal_W.y(), 0.0, 1e-9);
+    }
+  }
+}
+
 TEST(Stub, StandsIntoThePipeAndIsOpenInside) {
   network::Network net = Straight();
   network::Inlet inlet;
