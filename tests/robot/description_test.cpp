@@ -336,8 +336,8 @@ TEST(Companion, RefusesUnknownKeysAndValuesWithoutMeaning) {
               "suspensions[0].stiffness_N_m", "above 0");
   ExpectError(EditedCompanion("tread_radius_mm: 12", "tread_radius_mm: 50"),
               "tyres[0].tread_radius_mm", "below the tyre's radius");
-  ExpectError(EditedCompanion("      300: 32", "      300: 60"), "laser.mast.heights_mm.300",
-              "outside 0 to 35");
+  ExpectError(EditedCompanion("      300: 32", "      300: 70"), "laser.mast.heights_mm.300",
+              "outside 0 to 62");
   ExpectError(EditedCompanion("      300: 32", "      wide: 32"), "laser.mast.heights_mm.wide",
               "not a pipe diameter");
   ExpectError(EditedCompanion("range_max_mm: 190", "range_max_mm: 19"), "laser.range_max_mm",
