@@ -160,6 +160,18 @@ int Dispatch(const CLI::App& app, const Words& words) {
     return scenarios::GenerateNetwork({ReadGeneratorOptions(words), words.to, words.json},
                                       std::cout);
   }
+  if (app.got_subcommand("calibrate")) {
+    scenarios::CalibrateRequest request;
+    request.robot_folder = words.robot;
+    request.seed = ParseSeed(words.seed);
+    if (!words.count.empty())
+      request.views = Parse<std::size_t>("--views", words.count, 30, 1000000);
+    request.jobs = ParseJobs(words.jobs);
+    request.to = words.to.empty() ? request.robot_folder / "landmarks.yaml"
+                                  : std::filesystem::path(words.to);
+    request.json = words.json;
+    return scenarios::Calibrate(request, std::cout);
+  }
   if (app.got_subcommand("experiment")) {
     scenarios::ExperimentRequest request;
     request.name = words.file;
@@ -269,6 +281,14 @@ void Declare(CLI::App& app, Words& words) {
   render->add_option("--seed", words.seed, "what the conditions are drawn from (default 1)");
   render->add_option("--out", words.out,
                      "folder for the pictures (default runs/NAME/view-PIPE-CHAINAGE)");
+
+  CLI::App* calibrate = command(
+      "calibrate", "Learn from training views of the twin what distances of landmarks need.");
+  calibrate->add_option("--seed", words.seed, "what the views are drawn from (default 1)");
+  calibrate->add_option("--views", words.count, "training views of each set and camera");
+  calibrate->add_option("--jobs", words.jobs, "threads (default: one for each core)");
+  calibrate->add_option("--robot", words.robot, "the robot's folder (default models/kantaro)");
+  calibrate->add_option("--to", words.to, "the .yaml to write (default landmarks.yaml there)");
 
   CLI::App* experiment =
       command("experiment", "Repeat the thesis' experiments on the twin, beside its figures.");

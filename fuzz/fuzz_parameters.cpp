@@ -35,6 +35,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   kantaro::WriteFileAtomically(InputFile(), {reinterpret_cast<const char*>(data), size});
   Tolerate(kantaro::navigation::ReadParameters);
   Tolerate(kantaro::perception::ReadParameters);
+  Tolerate(kantaro::perception::ReadLandmarkCalibration);
   std::filesystem::remove(InputFile());
   return 0;
 }

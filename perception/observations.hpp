@@ -58,6 +58,7 @@ struct RingSighting {
   double support{};      ///< share of the circle that lies on edges, 0 to 1
   double center_x_px{};  ///< of the circle in the image, x to the right and y down
   double center_y_px{};
+  double significance{};  ///< contrast of line or step over its standard error
 };
 
 /// All rings in one front image, nearest first.

@@ -145,6 +145,25 @@ stereo::Parameters ReadStereo(const YamlNode& node) {
   return p;
 }
 
+LandmarkParameters ReadLandmarks(const YamlNode& node) {
+  static constexpr std::array<std::pair<const char*, LandmarkMethod>, 2> kMethods{
+      {{"thesis", LandmarkMethod::kThesis}, {"ours", LandmarkMethod::kOurs}}};
+  node.AllowOnly({"mono_method", "stereo_method", "near_mm", "far_mm", "canny_low", "canny_high",
+                  "shorter_high", "longer_high"});
+  LandmarkParameters p;
+  p.mono = ReadName<LandmarkMethod>(node["mono_method"], kMethods, "a landmark method");
+  p.stereo = ReadName<LandmarkMethod>(node["stereo_method"], kMethods, "a landmark method");
+  std::tie(p.near_m, p.far_m) = ReadReach(node);
+  const auto threshold = [&](const char* key) {
+    return static_cast<int>(node[key].Integer(1, 10000));
+  };
+  p.canny_low = threshold("canny_low");
+  p.canny_high = threshold("canny_high");
+  p.shorter_high = threshold("shorter_high");
+  p.longer_high = threshold("longer_high");
+  return p;
+}
+
 }  // namespace
 
 Parameters ReadParameters(const std::filesystem::path& file) {
@@ -153,10 +172,14 @@ Parameters ReadParameters(const std::filesystem::path& file) {
 
 Parameters ParseParameters(const std::string& text, const std::filesystem::path& name) {
   const YamlNode root = YamlNode::Parse(text, name);
-  root.AllowOnly({"laser", "infrared", "rings", "faults", "stereo", "stuck_readings"});
-  return {ReadLaser(root["laser"]),   ReadIr(root["infrared"]),
-          ReadRings(root["rings"]),   ReadFaults(root["faults"]),
-          ReadStereo(root["stereo"]), static_cast<int>(root["stuck_readings"].Integer(2, 1000))};
+  root.AllowOnly({"laser", "infrared", "rings", "faults", "stereo", "landmarks", "stuck_readings"});
+  return {ReadLaser(root["laser"]),
+          ReadIr(root["infrared"]),
+          ReadRings(root["rings"]),
+          ReadFaults(root["faults"]),
+          ReadStereo(root["stereo"]),
+          ReadLandmarks(root["landmarks"]),
+          static_cast<int>(root["stuck_readings"].Integer(2, 1000))};
 }
 
 }  // namespace kantaro::perception

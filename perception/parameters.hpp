@@ -5,6 +5,7 @@
 
 #include "perception/fault_detector.hpp"
 #include "perception/ir_landmarks.hpp"
+#include "perception/landmark_parameters.hpp"
 #include "perception/laser_landmarks.hpp"
 #include "perception/ring_finder.hpp"
 #include "perception/stereo/stereo.hpp"
@@ -19,7 +20,8 @@ struct Parameters {
   RingParameters rings;
   FaultParameters faults;
   stereo::Parameters stereo;
-  int stuck_readings{8};  ///< so many equal ones in a row: the sensor hangs (Repetition)
+  LandmarkParameters landmarks;  ///< without their calibration, which is in landmarks.yaml
+  int stuck_readings{8};         ///< so many equal ones in a row: the sensor hangs (Repetition)
 };
 
 /// Reads `perception.yaml`. Every key must be there and no other.

@@ -13,64 +13,17 @@
 #include <utility>
 
 #include "perception/brightness.hpp"
+#include "perception/ring_contrast.hpp"
 #include "perception/ring_votes.hpp"
 
 namespace kantaro::perception {
 namespace {
 
-constexpr int kReach = 12;          // the step's stencil looks so far along the radius [px]
-constexpr double kDarkFloor = 4.0;  // grey levels added before the logarithm: tames dark noise
-constexpr float kLargestLine = 0.40F, kLargestStep = 0.40F;  // contrast at which a vote saturates
+constexpr int kReach = kStepReach_px;
+constexpr float kLargestLine = kLargestVote, kLargestStep = kLargestVote;
 constexpr float kLargestContrast = 1.0F;  // in the close-up, where line and step are compared
 constexpr double kCoarseShare = 0.6;      // of the thresholds; the coarse grid blurs thin lines
 constexpr std::size_t kMostCandidates = 8;
-
-/// A joint's line: one sign all round.
-const Groups& AllRound() {
-  static const Groups groups = [] {
-    Groups result(1);
-    for (int t = 0; t < kDirections; ++t) result[0].push_back(t);
-    return result;
-  }();
-  return groups;
-}
-
-/// A mouth's step: crown (±45°) and both shoulders (to 85°). Beyond a mouth a ray over the crown
-/// meets the far wall of the shaft, one over a shoulder the upright side of the channel: one may be
-/// brighter than the pipe's wall and the other darker. Lower down the channel goes on like the
-/// pipe.
-const Groups& CrownAndShoulders() {
-  static const Groups groups = [] {
-    Groups result(3);
-    for (int off = -34; off <= 34; ++off) {
-      result[std::abs(off) <= 18 ? 0
-             : off > 0           ? 1
-                                 : 2]
-          .push_back((off + kDirections) % kDirections);
-    }
-    return result;
-  }();
-  return groups;
-}
-
-cv::Mat LogBrightness(const cv::Mat& brightness) {
-  cv::Mat table(1, 256, CV_32F), result;
-  for (int level = 0; level < 256; ++level) {
-    table.at<float>(level) = static_cast<float>(std::log(level + kDarkFloor));
-  }
-  cv::LUT(brightness, table, result);
-  return result;
-}
-
-/// Log brightness around a centre: row = direction, column k = radius first_px + k.
-struct Polar {
-  cv::Mat value;    ///< CV_32F
-  cv::Mat visible;  ///< CV_8U, 0 outside the image
-  int first_px{};
-
-  [[nodiscard]] int columns() const { return value.cols; }
-  [[nodiscard]] bool Visible(int t, int k) const { return visible.at<std::uint8_t>(t, k) != 0; }
-};
 
 Polar Unroll(const cv::Mat& log_brightness, cv::Point2d center, int first_px, int last_px) {
   const cv::Size size(last_px - first_px + 1, kDirections);
@@ -87,67 +40,6 @@ Polar Unroll(const cv::Mat& log_brightness, cv::Point2d center, int first_px, in
   }
   cv::remap(log_brightness, polar.value, map_x, map_y, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
   return polar;
-}
-
-/// Sizes that follow from the camera and the pipe.
-struct Optics {
-  cv::Point2d center_px;
-  double ring_px_m{};  ///< radius times distance
-  double groove_m{};
-
-  [[nodiscard]] double LineWidth(double radius_px) const {
-    return groove_m * radius_px * radius_px / ring_px_m;
-  }
-  /// Distance from a line's middle to the wall beside it.
-  [[nodiscard]] int LineFlank(double radius_px) const {
-    return std::clamp(static_cast<int>(std::lround(1.5 + LineWidth(radius_px) / 2)), 2, 10);
-  }
-};
-
-/// Signed contrast of a line and of a step at each polar pixel, 0 where the stencil or the image
-/// ends.
-struct Contrasts {
-  cv::Mat line, step;  ///< CV_32F, like the polar picture
-};
-
-/// Contrasts are cut at the largest: no pixel has more than one vote.
-Contrasts Measure(const Polar& polar, const Optics& optics, float largest_line,
-                  float largest_step) {
-  Contrasts contrasts{cv::Mat::zeros(polar.value.size(), CV_32F),
-                      cv::Mat::zeros(polar.value.size(), CV_32F)};
-  std::vector<float> sums(static_cast<std::size_t>(polar.columns()) + 1);
-  for (int t = 0; t < kDirections; ++t) {
-    const float* value = polar.value.ptr<float>(t);
-    float* line = contrasts.line.ptr<float>(t);
-    float* step = contrasts.step.ptr<float>(t);
-    for (int k = 0; k < polar.columns(); ++k) sums[k + 1] = sums[k] + value[k];
-    const auto mean = [&](int from, int to) {
-      return (sums[to + 1] - sums[from]) / static_cast<float>(to - from + 1);
-    };
-    for (int k = kReach; k < polar.columns() - kReach; ++k) {
-      if (!polar.Visible(t, k)) continue;
-      const int flank = optics.LineFlank(polar.first_px + k), half = (flank - 1) / 2;
-      line[k] = std::clamp(mean(k - half, k + half) - (value[k - flank] + value[k + flank]) / 2,
-                           -largest_line, largest_line);
-      // Inner and outer pairs of means, 5 and 17 px apart: their weighted difference answers to a
-      // step and not to the fall of brightness along the pipe.
-      const float near_pair = mean(k + 1, k + 4) - mean(k - 4, k - 1);
-      const float far_pair = mean(k + 5, k + kReach) - mean(k - kReach, k - 5);
-      step[k] = std::clamp((17 * near_pair - 5 * far_pair) / 12, -largest_step, largest_step);
-    }
-  }
-  return contrasts;
-}
-
-/// Visible directions at each column.
-std::vector<int> CountVisible(const Polar& polar, const Groups& groups) {
-  std::vector<int> counts(static_cast<std::size_t>(polar.columns()));
-  for (const auto& group : groups) {
-    for (const int t : group) {
-      for (int k = 0; k < polar.columns(); ++k) counts[k] += polar.Visible(t, k);
-    }
-  }
-  return counts;
 }
 
 /// A circle that the votes speak for.
@@ -443,23 +335,23 @@ bool Echoes(const std::vector<RingSighting>& rings, double radius_px, double apa
   });
 }
 
-RingSighting Sighting(RingKind kind, const Circle& circle, double support, const Optics& optics) {
+RingSighting Sighting(RingKind kind, const Circle& circle, double support, double significance,
+                      const Optics& optics) {
   return {kind,
           optics.ring_px_m / circle.radius_px,
           circle.radius_px,
           support,
           circle.center.x,
-          circle.center.y};
+          circle.center.y,
+          significance};
 }
 
 std::optional<RingSighting> JudgeJoint(const CloseUp& view, const Optics& optics,
                                        const RingParameters& parameters) {
   const Fit line = Align(view, view.line(), AllRound(), 2 + optics.LineFlank(view.radius_px()));
-  if (line.contrast < parameters.joint_contrast ||
-      line.contrast <
-          parameters.min_significance * view.StandardError(view.line(), AllRound(), line)) {
+  const double significance = line.contrast / view.StandardError(view.line(), AllRound(), line);
+  if (line.contrast < parameters.joint_contrast || significance < parameters.min_significance)
     return std::nullopt;
-  }
   const double support = view.Support(view.line(), AllRound(), line, parameters.support_contrast);
   if (support < parameters.joint_min_support) return std::nullopt;
   const Fit step = Align(view, view.step(), CrownAndShoulders(), 6);
@@ -467,15 +359,16 @@ std::optional<RingSighting> JudgeJoint(const CloseUp& view, const Optics& optics
       LooksLikeStep(view, line, step, optics.LineWidth(view.radius_px()))) {
     return std::nullopt;
   }
-  return Sighting(RingKind::kJoint, About(view, line), support, optics);
+  return Sighting(RingKind::kJoint, About(view, line), support, significance, optics);
 }
 
 std::optional<RingSighting> JudgeMouth(const cv::Mat& log_brightness, const CloseUp& view,
                                        const Optics& optics, const RingParameters& parameters) {
   const Fit step = Align(view, view.step(), CrownAndShoulders(), 6);
+  const double significance =
+      step.contrast / view.StandardError(view.step(), CrownAndShoulders(), step);
   if (!view.Shows(CrownAndShoulders(), step) || step.contrast < parameters.mouth_contrast ||
-      step.contrast < parameters.min_significance *
-                          view.StandardError(view.step(), CrownAndShoulders(), step)) {
+      significance < parameters.min_significance) {
     return std::nullopt;
   }
   const double support =
@@ -487,7 +380,7 @@ std::optional<RingSighting> JudgeMouth(const cv::Mat& log_brightness, const Clos
   }
   const auto circle = FitArc(log_brightness, optics, About(view, step), signs);
   if (!circle) return std::nullopt;
-  return Sighting(RingKind::kManholeMouth, *circle, support, optics);
+  return Sighting(RingKind::kManholeMouth, *circle, support, significance, optics);
 }
 
 }  // namespace

@@ -10,7 +10,9 @@
 #include "base/files.hpp"
 #include "base/input_error.hpp"
 #include "network/formats.hpp"
+#include "perception/parameters.hpp"
 #include "scenarios/experiments/experiment.hpp"
+#include "scenarios/landmark_calibration.hpp"
 #include "scenarios/replay.hpp"
 #include "scenarios/result.hpp"
 #include "scenarios/runner.hpp"
@@ -236,6 +238,34 @@ int Render(const RenderRequest& request, std::ostream& out) {
     out << files.front().second;
   } else {
     for (const auto& [name, bytes] : files) out << (folder / name).string() << '\n';
+  }
+  return kExitPassed;
+}
+
+int Calibrate(const CalibrateRequest& request, std::ostream& out) {
+  DemandYamlEnding(request.to);
+  CalibrationOptions options;
+  options.seed = request.seed;
+  if (request.views > 0) options.views = request.views;
+  options.jobs = request.jobs;
+  const ProgressLine progress;
+  options.progress = [&](std::size_t done, std::size_t all) {
+    progress.Show(fmt::format("calibrate: {} of {} views", done, all));
+  };
+  const auto calibration = CalibrateLandmarks(
+      robot::ReadDescription(request.robot_folder),
+      perception::ReadParameters(request.robot_folder / "perception.yaml").landmarks, options);
+  WriteFileAtomically(
+      request.to,
+      perception::ToYaml(calibration, fmt::format("Written by kantaro calibrate --seed {} "
+                                                  "--views {} from training views of the twin.",
+                                                  options.seed, options.views)));
+  if (request.json) {
+    out << Json{{"file", request.to.string()}, {"seed", options.seed}, {"views", options.views}}
+               .dump(2)
+        << '\n';
+  } else {
+    out << request.to.string() << '\n';
   }
   return kExitPassed;
 }

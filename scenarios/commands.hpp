@@ -85,6 +85,17 @@ struct RenderRequest {
 };
 int Render(const RenderRequest& request, std::ostream& out);
 
+struct CalibrateRequest {
+  std::filesystem::path robot_folder;
+  std::uint64_t seed{1};
+  std::size_t views{};  ///< of each set of training views and camera; 0: the usual
+  unsigned jobs{1};
+  std::filesystem::path to;  ///< a .yaml
+  bool json{};
+};
+/// Learns from training views of the twin what the landmark methods need, and writes it.
+int Calibrate(const CalibrateRequest& request, std::ostream& out);
+
 struct ExperimentRequest {
   std::string name;  ///< of one experiment, or `all`
   std::uint64_t seed{1};

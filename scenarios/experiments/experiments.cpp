@@ -14,6 +14,7 @@
 #include "scenarios/experiments/ir_landmarks.hpp"
 #include "scenarios/experiments/laser_accuracy.hpp"
 #include "scenarios/experiments/laser_landmarks.hpp"
+#include "scenarios/experiments/localisation.hpp"
 #include "scenarios/experiments/locomotion.hpp"
 #include "scenarios/experiments/realism.hpp"
 #include "scenarios/experiments/stereo_accuracy.hpp"
@@ -24,10 +25,11 @@ namespace kantaro::scenarios {
 namespace {
 
 const std::vector<Experiment>& All() {
-  static const std::vector<Experiment> all{LocomotionExperiment(),     LaserAccuracyExperiment(),
-                                           LaserLandmarksExperiment(), IrLandmarksExperiment(),
-                                           StereoAccuracyExperiment(), StereoSpeedExperiment(),
-                                           StereoPairsExperiment(),    RealismExperiment()};
+  static const std::vector<Experiment> all{
+      LocomotionExperiment(),        LaserAccuracyExperiment(),  LaserLandmarksExperiment(),
+      IrLandmarksExperiment(),       StereoAccuracyExperiment(), StereoSpeedExperiment(),
+      StereoPairsExperiment(),       RealismExperiment(),        MonoLocalisationExperiment(),
+      StereoLocalisationExperiment()};
   return all;
 }
 
@@ -41,7 +43,8 @@ std::span<const Experiment> ExperimentsNamed(const std::string& word) {
     const auto own = std::ranges::find_if(all, [](const Experiment& one) { return one.own_page; });
     return {all.begin(), own};
   }
-  std::string names = "all";
+  if (word == "localisation") return std::span(all).last(2);  // they share a page
+  std::string names = "all, localisation";
   for (const Experiment& experiment : all) {
     if (experiment.name == word) return {&experiment, 1};
     names += ", " + experiment.name;
@@ -53,10 +56,13 @@ std::span<const Experiment> ExperimentsNamed(const std::string& word) {
 std::string ResultsPage(std::span<const Experiment> experiments,
                         std::span<const nlohmann::ordered_json> results,
                         const std::string& before) {
-  if (experiments.size() == 1 && experiments[0].own_page) {
+  if (experiments[0].own_page) {
     const std::size_t end = before.find(kGeneratedBelow);
-    const std::string kept = end == std::string::npos ? "" : before.substr(0, end);
-    return kept + std::string(kGeneratedBelow) + "\n" + experiments[0].chapter(results[0]);
+    std::string page = end == std::string::npos ? "" : before.substr(0, end);
+    page += kGeneratedBelow;
+    for (std::size_t i = 0; i < experiments.size(); ++i)
+      page += "\n" + experiments[i].chapter(results[i]);
+    return page;
   }
   std::string page =
       "# Results\n\nThe thesis' experiments on the twin, beside what the thesis says. Written "

@@ -1,0 +1,232 @@
+#include "perception/landmark_distance.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <stdexcept>
+
+#include "perception/brightness.hpp"
+#include "perception/our_landmarks.hpp"
+#include "perception/stereo/stereo.hpp"
+#include "perception/thesis_landmarks.hpp"
+#include "robot/rectifier.hpp"
+
+namespace kantaro::perception {
+namespace {
+
+using Status = LandmarkAnswer::Status;
+
+constexpr double kLeastSpread = 1.0;  ///< grey levels; noise alone has less after averaging
+constexpr double kBright = 250.0;
+
+void CheckSizes(LandmarkKind kind, const KnownSizes& sizes) {
+  const auto positive = [](double value_m) { return std::isfinite(value_m) && value_m > 0.0; };
+  if (!positive(sizes.pipe_diameter_m))
+    throw std::invalid_argument("landmark distance: the pipe's diameter must be above 0");
+  if (ClassOf(kind) != LandmarkClass::kInlet) return;
+  if (!positive(sizes.inlet_diameter_m) || sizes.inlet_diameter_m >= sizes.pipe_diameter_m) {
+    throw std::invalid_argument(
+        "landmark distance: the inlet's diameter must be above 0 and below the pipe's");
+  }
+}
+
+void CheckImage(const cv::Mat& image, const robot::Camera& camera, const char* what) {
+  RequireBrightness(image, what);
+  if (image.size() != cv::Size(camera.width_px, camera.height_px)) {
+    throw std::invalid_argument(fmt::format("{}: the image is {} x {}, the camera's are {} x {}",
+                                            what, image.cols, image.rows, camera.width_px,
+                                            camera.height_px));
+  }
+}
+
+/// Whether a picture shows anything at all; nothing if it does.
+std::optional<Status> Unusable(const cv::Mat& image) {
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(image, mean, deviation);
+  if (deviation[0] >= kLeastSpread) return {};
+  return mean[0] >= kBright ? Status::kSaturated : Status::kBlank;
+}
+
+/// Refuses what is no picture, and passes on what can be seen in.
+class CheckedDistance : public LandmarkDistance {
+ public:
+  CheckedDistance(const robot::Camera& camera, bool pair) : camera_(camera), pair_(pair) {}
+
+  LandmarkAnswer Update(const LandmarkLook& look) final {
+    CheckImage(look.image, camera_, "landmark distance");
+    if (pair_) CheckImage(look.right, camera_, "landmark distance, right image");
+    if (!std::isfinite(look.travel_m))
+      throw std::invalid_argument("landmark distance: the travel must be a number");
+    auto unusable = Unusable(look.image);
+    if (!unusable && pair_) unusable = Unusable(look.right);
+    if (unusable) return {*unusable};
+    return See(look);
+  }
+
+ protected:
+  [[nodiscard]] const robot::Camera& camera() const { return camera_; }
+
+ private:
+  virtual LandmarkAnswer See(const LandmarkLook& look) = 0;
+
+  robot::Camera camera_;
+  bool pair_;
+};
+
+/// Thesis 4.3.
+class ThesisMono : public CheckedDistance {
+ public:
+  ThesisMono(const robot::Description& description, const LandmarkParameters& parameters,
+             LandmarkKind kind, const KnownSizes& sizes)
+      : CheckedDistance(description.front_camera, false),
+        parameters_(parameters),
+        kind_(kind),
+        sizes_(sizes) {}
+
+ private:
+  LandmarkAnswer See(const LandmarkLook& look) override {
+    const HoughCircle circle = ThesisCircle(look.image, camera(), parameters_, kind_, sizes_);
+    if (circle.votes == 0) return {};
+    const double radius_px = circle.radius_px * RadiusScale(kind_, sizes_);
+    return {Status::kFound, parameters_.calibration.Of(kind_).radius.DistanceAt(radius_px)};
+  }
+
+  LandmarkParameters parameters_;
+  LandmarkKind kind_;
+  KnownSizes sizes_;
+};
+
+/// Thesis 5.5.
+class ThesisStereo : public CheckedDistance {
+ public:
+  ThesisStereo(const robot::Description& description, const LandmarkParameters& parameters,
+               LandmarkKind kind)
+      : CheckedDistance(description.stereo_left, true),
+        parameters_(parameters),
+        kind_(kind),
+        baseline_m_(robot::StereoBaseline_m(description)) {
+    const double px_m = camera().focal_px * baseline_m_;
+    lc_.method = stereo::Method::kLc;
+    lc_.min_disparity_px = static_cast<int>(px_m / parameters.far_m);
+    lc_.disparities = static_cast<int>(px_m / parameters.near_m) - lc_.min_disparity_px + 1;
+  }
+
+ private:
+  LandmarkAnswer See(const LandmarkLook& look) override {
+    const EdgeCounts counts = CountEdges(look.image, parameters_, kind_);
+    const cv::Mat disparity = stereo::Match(look.image, look.right, lc_).disparity_px;
+    std::vector<double> distances_m;
+    for (int y = 0; y < disparity.rows; ++y) {
+      for (int x = 0; x < disparity.cols; ++x) {
+        const float d = disparity.at<float>(y, x);
+        if (counts.edges.at<std::uint8_t>(y, x) == 0 || !(d > 0.0F)) continue;
+        distances_m.push_back(camera().focal_px * baseline_m_ / d);
+      }
+    }
+    if (distances_m.empty()) return {};
+    const ClassCalibration& calibration = parameters_.calibration.Of(kind_);
+    return {Status::kFound,
+            RefineDistances(distances_m, calibration.shorter.DistanceAt(counts.shorter),
+                            calibration.longer.DistanceAt(counts.longer))};
+  }
+
+  LandmarkParameters parameters_;
+  LandmarkKind kind_;
+  double baseline_m_;
+  stereo::Parameters lc_;
+};
+
+LandmarkAnswer Calibrated(const RangedLandmark& ranged, const ErrorFit& fit) {
+  return {Status::kFound, ranged.distance_m * (1.0 - fit.bias), ranged.deviation_m * fit.factor};
+}
+
+class OurMono : public CheckedDistance {
+ public:
+  OurMono(const robot::Description& description, const LandmarkParameters& parameters,
+          LandmarkKind kind, const KnownSizes& sizes)
+      : CheckedDistance(description.front_camera, false),
+        fit_(parameters.calibration.Of(kind).mono),
+        tracker_(description, description.front_camera, parameters, kind, sizes) {}
+
+ private:
+  LandmarkAnswer See(const LandmarkLook& look) override {
+    const auto seen = tracker_.Update(look.image, look.travel_m);
+    return seen ? Calibrated(*seen, fit_) : LandmarkAnswer{};
+  }
+
+  ErrorFit fit_;
+  LandmarkTracker tracker_;
+};
+
+/// One tracker for each camera: a known circle's size tells its distance more surely than its
+/// disparity does (a pixel is 3 cm at 1.5 m, against 7 cm), and no turned camera spoils it. The
+/// disparity is the check: where the two disagree, the better seen one counts.
+class OurStereo : public CheckedDistance {
+ public:
+  OurStereo(const robot::Description& description, const LandmarkParameters& parameters,
+            LandmarkKind kind, const KnownSizes& sizes)
+      : CheckedDistance(description.stereo_left, true),
+        fit_(parameters.calibration.Of(kind).stereo),
+        baseline_m_(robot::StereoBaseline_m(description)),
+        left_(description, description.stereo_left, parameters, kind, sizes),
+        right_(description, description.stereo_right, parameters, kind, sizes) {}
+
+ private:
+  LandmarkAnswer See(const LandmarkLook& look) override {
+    constexpr double kApart = 0.10;  ///< share of the distance by which two sights may differ
+    const auto left = left_.Update(look.image, look.travel_m);
+    auto right = right_.Update(look.right, look.travel_m);
+    // The right camera stands ahead of the left one where the pair is turned in the pipe.
+    if (right) right->distance_m += baseline_m_ * left_.pose().lean.x();
+    if (!left && !right) return {};
+    if (!left || !right) return Calibrated(left ? *left : *right, fit_);
+    if (std::abs(left->distance_m / right->distance_m - 1.0) > kApart)
+      return Calibrated(left->significance >= right->significance ? *left : *right, fit_);
+    const double wl = 1.0 / (left->deviation_m * left->deviation_m);
+    const double wr = 1.0 / (right->deviation_m * right->deviation_m);
+    return Calibrated({(wl * left->distance_m + wr * right->distance_m) / (wl + wr),
+                       std::sqrt(1.0 / (wl + wr)), left->significance + right->significance},
+                      fit_);
+  }
+
+  ErrorFit fit_;
+  double baseline_m_;
+  LandmarkTracker left_, right_;
+};
+
+}  // namespace
+
+const char* ToString(LandmarkAnswer::Status status) {
+  switch (status) {
+    case Status::kFound:
+      return "found";
+    case Status::kNotSeen:
+      return "not seen";
+    case Status::kBlank:
+      return "blank picture";
+    case Status::kSaturated:
+      return "saturated picture";
+  }
+  throw std::invalid_argument("no such status");
+}
+
+std::unique_ptr<LandmarkDistance> MakeMonoDistance(const robot::Description& description,
+                                                   const LandmarkParameters& parameters,
+                                                   LandmarkKind kind, const KnownSizes& sizes) {
+  CheckSizes(kind, sizes);
+  if (parameters.mono == LandmarkMethod::kOurs)
+    return std::make_unique<OurMono>(description, parameters, kind, sizes);
+  return std::make_unique<ThesisMono>(description, parameters, kind, sizes);
+}
+
+std::unique_ptr<LandmarkDistance> MakeStereoDistance(const robot::Description& description,
+                                                     const LandmarkParameters& parameters,
+                                                     LandmarkKind kind, const KnownSizes& sizes) {
+  CheckSizes(kind, sizes);
+  if (parameters.stereo == LandmarkMethod::kOurs)
+    return std::make_unique<OurStereo>(description, parameters, kind, sizes);
+  return std::make_unique<ThesisStereo>(description, parameters, kind);
+}
+
+}  // namespace kantaro::perception

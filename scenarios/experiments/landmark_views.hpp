@@ -1,0 +1,113 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <vector>
+
+#include "network/network.hpp"
+#include "perception/landmark_distance.hpp"
+#include "robot/description.hpp"
+
+namespace kantaro::scenarios {
+
+/// Which views: as in the thesis' dry test field, or far worse.
+enum class ViewSet { kReproduction, kStress };
+/// Calibration sees training views, experiments test views; no sewer, texture, pose or noise is in
+/// both.
+enum class ViewPurpose { kTraining, kTest };
+enum class ViewCameras { kFront, kStereo };
+
+[[nodiscard]] const char* ToString(ViewSet set);
+
+/// Names the random streams of one sewer and all views in it.
+[[nodiscard]] std::string StreamOf(ViewPurpose purpose, ViewSet set, std::size_t sewer);
+
+/// What is ahead, and how the robot looks at it: all that is drawn for one view.
+struct ViewPlan {
+  perception::LandmarkKind kind{};
+  std::size_t landmark{};       ///< among the joints or inlets of the pipe
+  double distance_m{};          ///< from the camera along the pipe when the last picture is taken
+  double light{1.0};            ///< of the lamps
+  double off_y_m{}, off_z_m{};  ///< from where the robot stands when it has settled
+  double roll_rad{}, pitch_rad{}, yaw_rad{};  ///< likewise
+  double yaw_error_rad{};                     ///< of the right camera, against its calibration
+  double speed_m_s{};                         ///< blurs the picture
+  double odometry_error{};                    ///< share by which odometry counts too much
+  double between_m{};                         ///< travel from one picture to the next
+};
+
+/// A sewer made for views, as a function of these alone: a pipe with joints and inlets to either
+/// side that ends in a manhole (round the turn there, straight on, or the last one).
+struct LandmarkSewer {
+  network::Network network;
+  std::uint64_t texture_seed{};
+  [[nodiscard]] const network::Pipe& pipe() const { return network.pipes.front(); }
+};
+[[nodiscard]] LandmarkSewer DrawSewer(ViewPurpose purpose, ViewSet set, std::uint64_t seed,
+                                      std::size_t sewer);
+/// @param view  of this sewer
+[[nodiscard]] ViewPlan DrawView(const LandmarkSewer& sewer, ViewPurpose purpose, ViewSet set,
+                                std::uint64_t seed, std::size_t sewer_number, std::size_t view,
+                                perception::LandmarkKind kind);
+
+/// One picture, or pair, of an approach, as the robot's code gets it: rectified brightness.
+struct LandmarkPicture {
+  cv::Mat image, right;
+  double travel_m{};  ///< as odometry counts it
+};
+
+/// Pictures of an approach, the last one at the plan's distance.
+inline constexpr int kPicturesOfApproach = 3;
+
+/// Photographs one sewer.
+class LandmarkStage {
+ public:
+  /// @throws RenderingUnavailable
+  LandmarkStage(const robot::Description& description, LandmarkSewer sewer);
+  ~LandmarkStage();
+
+  [[nodiscard]] std::vector<LandmarkPicture> Approach(const ViewPlan& plan, ViewCameras cameras,
+                                                      std::uint64_t seed,
+                                                      const std::string& stream);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// One view: what is ahead, and all pictures of it.
+struct LandmarkView {
+  std::size_t number{};  ///< among all
+  ViewPlan plan;
+  network::WallCondition condition{};
+  perception::KnownSizes sizes;
+  std::vector<LandmarkPicture> pictures;
+};
+
+/// What is to be photographed.
+struct ViewRequest {
+  ViewPurpose purpose{ViewPurpose::kTest};
+  ViewSet set{ViewSet::kReproduction};
+  ViewCameras cameras{ViewCameras::kFront};
+  std::vector<perception::LandmarkKind> kinds;  ///< of each view
+  std::uint64_t seed{1};
+  unsigned jobs{1};  ///< threads; changes no view
+};
+
+/// So many views are taken in one sewer: three sewers for the thesis' 74 or 70.
+inline constexpr std::size_t kViewsPerSewer = 25;
+
+/// Takes all views and hands each over, from several threads at once and in any order.
+void ForEachView(const robot::Description& description, const ViewRequest& request,
+                 const std::function<void(LandmarkView&&)>& use);
+
+/// Kinds of views 0, 1, 2 … so that any stretch holds them in these proportions, inlets to the
+/// left and right in turn.
+[[nodiscard]] std::vector<perception::LandmarkKind> SpreadKinds(std::size_t manholes,
+                                                                std::size_t joints,
+                                                                std::size_t inlets);
+
+}  // namespace kantaro::scenarios

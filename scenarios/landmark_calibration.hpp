@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "perception/landmark_parameters.hpp"
+#include "robot/description.hpp"
+
+namespace kantaro::scenarios {
+
+/// What `kantaro calibrate` is told.
+struct CalibrationOptions {
+  std::uint64_t seed{1};
+  std::size_t views{120};  ///< of each set and camera
+  unsigned jobs{1};        ///< threads; changes no result
+  std::function<void(std::size_t done, std::size_t all)> progress{
+      [](std::size_t, std::size_t) {}};  ///< called from one thread at a time
+};
+
+/// Learns from training views of the twin, where distances are known, what the landmark methods
+/// need: the thesis' radius-distance table (4.3) and linear fits of edge counts (5.5) from
+/// reproduction views, and how the errors of ours compare with what it states, from all.
+/// @param parameters  its calibration is not used
+[[nodiscard]] perception::LandmarkCalibration CalibrateLandmarks(
+    const robot::Description& description, perception::LandmarkParameters parameters,
+    const CalibrationOptions& options);
+
+/// A measurement in a training view: x (a radius, a count of edges) at a known distance.
+struct Sample {
+  double distance_m{}, x{};
+};
+
+/// Medians of stretches of 0.1 m, as far as radii fall with distance.
+/// @throws std::invalid_argument if fewer than two stretches are left.
+[[nodiscard]] perception::RadiusTable FitRadiusTable(const std::vector<Sample>& samples);
+/// Least squares of distance over the count. @throws std::invalid_argument for equal counts alone
+[[nodiscard]] perception::EdgeFit FitEdges(const std::vector<Sample>& samples);
+
+/// An answer in a training view.
+struct StatedError {
+  double distance_m{}, error_m{}, deviation_m{};
+};
+/// Median relative error, and the factor that puts 95 % of the errors left within 1.96 deviations.
+[[nodiscard]] perception::ErrorFit FitErrors(const std::vector<StatedError>& errors);
+
+}  // namespace kantaro::scenarios

@@ -1,0 +1,148 @@
+#include "perception/landmark_distance.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+#include "base/input_error.hpp"
+#include "perception/parameters.hpp"
+#include "perception/thesis_landmarks.hpp"
+
+namespace kantaro::perception {
+namespace {
+
+using Status = LandmarkAnswer::Status;
+
+constexpr KnownSizes kSizes{0.300, 0.130};
+
+const robot::Description& Robot() {
+  static const robot::Description robot =
+      robot::ReadDescription(std::string(KANTARO_SOURCE_DIR) + "/models/kantaro");
+  return robot;
+}
+
+LandmarkParameters Shipped(LandmarkMethod method) {
+  const std::string folder = std::string(KANTARO_SOURCE_DIR) + "/models/kantaro/";
+  LandmarkParameters parameters = ReadParameters(folder + "perception.yaml").landmarks;
+  parameters.calibration = ReadLandmarkCalibration(folder + "landmarks.yaml");
+  parameters.mono = parameters.stereo = method;
+  return parameters;
+}
+
+cv::Mat Even(int level) { return {480, 704, CV_8U, cv::Scalar(level)}; }
+
+/// A wall that darkens with distance, as lamps at the camera light it, and a dark ring on it.
+cv::Mat PipeWithJoint(double distance_m, double radius_m = 0.150) {
+  const robot::Camera& camera = Robot().front_camera;
+  cv::Mat image(camera.height_px, camera.width_px, CV_8U);
+  cv::RNG noise(7);
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      const double r_px = std::max(1.0, std::hypot(x - camera.center_x_px, y - camera.center_y_px));
+      const double z_m = camera.focal_px * radius_m / r_px;
+      const bool joint = std::abs(z_m - distance_m) < 0.006;
+      const double level = (joint ? 0.4 : 1.0) * 220.0 / (1.0 + 3.0 * z_m * z_m);
+      image.at<std::uint8_t>(y, x) = cv::saturate_cast<std::uint8_t>(level + noise.gaussian(1.5));
+    }
+  }
+  return image;
+}
+
+// A circle drawn at a whole pixel is found there, with its radius.
+TEST(ThesisLandmarks, FindCirclesWhereTheyAreDrawn) {
+  cv::Mat edges = cv::Mat::zeros(200, 300, CV_8U);
+  cv::circle(edges, {150, 98}, 61, 255);
+  cv::line(edges, {0, 20}, {299, 35}, 255);
+  const HoughCircle circle = FindCircle(edges, {cv::Rect(130, 80, 41, 41), 2, 30, 90});
+  EXPECT_NEAR(circle.center.x, 150, 1);
+  EXPECT_NEAR(circle.center.y, 98, 1);
+  EXPECT_NEAR(circle.radius_px, 61, 1);
+  EXPECT_EQ(FindCircle(cv::Mat::zeros(200, 300, CV_8U), {cv::Rect(0, 0, 9, 9), 2, 3, 9}).votes, 0);
+}
+
+// r = 90 / d passes through both entries, so distance is 90 / r everywhere, beyond them too.
+TEST(ThesisLandmarks, InterpolateTheRadiusTableInOneOverRadius) {
+  const RadiusTable table{{{0.5, 180.0}, {1.0, 90.0}, {1.5, 60.0}}};
+  for (const double d : {0.3, 0.5, 0.7, 1.0, 1.2, 1.5, 2.0})
+    EXPECT_NEAR(table.DistanceAt(90.0 / d), d, 1e-12);
+}
+
+// Thesis eq. 5.18 and 5.19: 0.2 is raised to 0.4, 1.5 lowered to 1.0, 0.7 stays: mean 0.7.
+TEST(ThesisLandmarks, ClampAndAverageDistances) {
+  EXPECT_NEAR(RefineDistances({0.2, 0.7, 1.5}, 0.4, 1.0), 0.7, 1e-12);
+  EXPECT_NEAR(RefineDistances({0.2, 0.7, 1.5}, 1.0, 0.4), 0.7, 1e-12);
+  EXPECT_THROW((void)RefineDistances({}, 0.4, 1.0), std::invalid_argument);
+}
+
+// The geometry of the drawing is exact: what remains is the pixel, 1.1 cm at 1 m.
+TEST(OurLandmarks, MeasureAJointOnADrawnWall) {
+  for (const double distance_m : {0.45, 0.7, 1.0}) {
+    auto asked =
+        MakeMonoDistance(Robot(), Shipped(LandmarkMethod::kOurs), LandmarkKind::kJoint, kSizes);
+    const LandmarkAnswer answer = asked->Update({PipeWithJoint(distance_m), {}, 0.0});
+    ASSERT_EQ(answer.status, Status::kFound) << distance_m;
+    EXPECT_NEAR(answer.distance_m, distance_m, 0.02);
+    EXPECT_GT(answer.deviation_m, 0.0);
+  }
+}
+
+TEST(LandmarkDistance, SaysThatAPictureIsBlankOrSaturated) {
+  for (const LandmarkMethod method : {LandmarkMethod::kThesis, LandmarkMethod::kOurs}) {
+    auto asked = MakeMonoDistance(Robot(), Shipped(method), LandmarkKind::kJoint, kSizes);
+    EXPECT_EQ(asked->Update({Even(0), {}, 0.0}).status, Status::kBlank);
+    EXPECT_EQ(asked->Update({Even(128), {}, 0.0}).status, Status::kBlank);
+    EXPECT_EQ(asked->Update({Even(255), {}, 0.0}).status, Status::kSaturated);
+  }
+  EXPECT_STREQ(ToString(Status::kSaturated), "saturated picture");
+}
+
+TEST(LandmarkDistance, RefusesWhatIsNoPictureOfItsCamera) {
+  for (const LandmarkMethod method : {LandmarkMethod::kThesis, LandmarkMethod::kOurs}) {
+    auto mono = MakeMonoDistance(Robot(), Shipped(method), LandmarkKind::kManhole, kSizes);
+    auto pair = MakeStereoDistance(Robot(), Shipped(method), LandmarkKind::kManhole, kSizes);
+    const cv::Mat tiny(2, 2, CV_8U, cv::Scalar(9)), wrong(480, 640, CV_8U, cv::Scalar(9));
+    const cv::Mat deep(480, 704, CV_16U, cv::Scalar(9));
+    const cv::Mat nan(480, 704, CV_32F, cv::Scalar(std::nan("")));
+    for (const cv::Mat& image : {tiny, wrong, deep, nan, cv::Mat()})
+      EXPECT_THROW((void)mono->Update({image, {}, 0.0}), std::invalid_argument);
+    EXPECT_THROW((void)mono->Update({PipeWithJoint(0.7), {}, std::nan("")}), std::invalid_argument);
+    EXPECT_THROW((void)pair->Update({wrong, {}, 0.0}), std::invalid_argument);
+    EXPECT_THROW((void)pair->Update({wrong, tiny, 0.0}), std::invalid_argument);
+  }
+}
+
+TEST(LandmarkDistance, RefusesSizesThatCannotBe) {
+  const LandmarkParameters parameters = Shipped(LandmarkMethod::kOurs);
+  const auto make = [&](LandmarkKind kind, KnownSizes sizes) {
+    (void)MakeMonoDistance(Robot(), parameters, kind, sizes);
+  };
+  EXPECT_THROW(make(LandmarkKind::kJoint, {0.0, 0.1}), std::invalid_argument);
+  EXPECT_THROW(make(LandmarkKind::kJoint, {std::nan(""), 0.1}), std::invalid_argument);
+  EXPECT_THROW(make(LandmarkKind::kInletLeft, {0.3, 0.0}), std::invalid_argument);
+  EXPECT_THROW(make(LandmarkKind::kInletLeft, {0.3, 0.4}), std::invalid_argument);
+  EXPECT_NO_THROW(make(LandmarkKind::kJoint, {0.3, 0.0}));
+}
+
+TEST(LandmarkCalibrationFile, ReadsWhatItWrote) {
+  const LandmarkCalibration shipped = Shipped(LandmarkMethod::kOurs).calibration;
+  const LandmarkCalibration again = ParseLandmarkCalibration(ToYaml(shipped, "again"), "again");
+  EXPECT_EQ(ToYaml(again, "x"), ToYaml(shipped, "x"));
+}
+
+TEST(LandmarkCalibrationFile, RefusesTablesThatDoNotFall) {
+  std::string text = ToYaml(Shipped(LandmarkMethod::kOurs).calibration, "altered");
+  const std::size_t at = text.find("    - [");
+  text.insert(at, "    - [100.0, 0.5]\n");
+  try {
+    (void)ParseLandmarkCalibration(text, "altered.yaml");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.field(), "manhole.thesis_radius[1]");
+  }
+  EXPECT_THROW((void)ParseLandmarkCalibration("manhole: {}", "x"), InputError);
+}
+
+}  // namespace
+}  // namespace kantaro::perception
