@@ -63,7 +63,7 @@ scenario good.yaml
 "$kantaro" network network.yaml >/dev/null || { echo "the good network is refused"; failures=1; }
 
 # Usage.
-refused "no command" "COMMAND: none is given; known are run, firmware, replay, suite, network, generate, render, experiment"
+refused "no command" "COMMAND: none is given; known are run, firmware, replay, suite, network, generate, render, calibrate, experiment"
 refused "unknown command" 'COMMAND: "fly" is not one; known are .*' fly
 refused "no scenario" ".*SCENARIO is required.*" run
 refused "unknown option" ".*--colour.*" run good.yaml --colour red

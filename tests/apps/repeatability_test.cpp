@@ -42,11 +42,11 @@ std::vector<std::string> Traces(const std::string& scenario, const std::vector<W
   return traces;
 }
 
+#ifdef KANTARO_LONG_MISSIONS
+
 std::set<std::string> AsSet(const std::vector<std::string>& traces) {
   return {traces.begin(), traces.end()};
 }
-
-#ifdef KANTARO_LONG_MISSIONS
 
 TEST(RepeatabilitySoak, TwentyRunsOfAShortMissionGiveOneTrace) {
   EXPECT_EQ(AsSet(Traces("tests/apps/short_mission.yaml", std::vector<Words>(20), 2)).size(), 1u);
