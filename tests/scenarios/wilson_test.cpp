@@ -7,8 +7,9 @@
 namespace kantaro::scenarios {
 namespace {
 
-// By hand, z = 1.96: 65 of 70 has p = 0.92857; middle (p + z²/140) / (1 + z²/70) = 0.95601 / 1.05488
-// = 0.90627; half 1.96 / 1.05488 · √(0.066327 / 70 + 3.8416 / 19600) = 1.85803 · 0.033812 = 0.06282.
+// By hand, z = 1.96: 65 of 70 has p = 0.92857; middle (p + z²/140) / (1 + z²/70) = 0.95601
+// / 1.05488 = 0.90627; half 1.96 / 1.05488 · √(0.066327 / 70 + 3.8416 / 19600) = 1.85803 · 0.033812
+// = 0.06282.
 TEST(WilsonRate, AgreesWithTheFormulaByHand) {
   const Rate rate = WilsonRate(65, 70);
   EXPECT_NEAR(rate.share, 0.92857, 1e-5);
