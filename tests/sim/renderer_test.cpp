@@ -213,7 +213,7 @@ TEST(Render, IsAtBlackLevelWithoutLight) {
   }
 }
 
-// Dark dirt or pale mortar, as the seed draws: never as bright as the wall around.
+// Dark dirt or pale mortar, as the seed draws: never as the wall around.
 TEST(Render, ShowsAJointAsARing) {
   constexpr double kDistance_m = 0.6;
   const CameraView view = OnAxis(Plain().sewer, kJoint_m - kDistance_m);
