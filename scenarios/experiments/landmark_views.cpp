@@ -11,6 +11,7 @@
 #include "perception/brightness.hpp"
 #include "robot/rectifier.hpp"
 #include "scenarios/experiments/experiment.hpp"
+#include "scenarios/experiments/fine_drawing.hpp"
 #include "sim/imager.hpp"
 #include "sim/physics.hpp"
 #include "sim/robot_model.hpp"
@@ -29,7 +30,8 @@ constexpr double kPipe_m = 8.0;
 constexpr double kNearest_m = 0.3, kFarthestRing_m = 1.5, kFarthestInlet_m = 0.8;
 /// Longer than the farthest view: no nearer joint is then ahead. Below 2 m, as the thesis says.
 constexpr double kShortestLength_m = 1.60, kLongestLength_m = 1.95;
-constexpr double kDimmed = 1.0 / 8.0;  ///< as scenarios have it
+constexpr double kDimmed = 1.0 / 8.0;                ///< as scenarios have it
+constexpr double kLongestExposure_s = 1.001 / 60.0;  ///< a field of NTSC video
 
 double Radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
@@ -150,10 +152,8 @@ LandmarkSewer DrawSewer(ViewPurpose purpose, ViewSet set, std::uint64_t seed, st
     pipe.diameter_m = std::array{0.200, 0.250, 0.300, 0.350}[random.Index(4)];
     pipe.material = std::array{network::Material::kPvc, network::Material::kClay,
                                network::Material::kConcrete, network::Material::kLined}[sewer % 4];
-    pipe.condition =
-        random.Index(2) == 0 ? network::WallCondition::kDry : network::WallCondition::kWet;
-    if (pipe.condition == network::WallCondition::kWet)
-      pipe.water_m = pipe.diameter_m * random.Uniform(0.0, 0.10);
+    pipe.condition = network::WallCondition::kWet;
+    pipe.water_m = pipe.diameter_m * random.Uniform(0.0, 0.10);
   }
   AddJoints(pipe, random);
   AddInlets(pipe, random);
@@ -162,7 +162,15 @@ LandmarkSewer DrawSewer(ViewPurpose purpose, ViewSet set, std::uint64_t seed, st
                       ManholeAt("end", kPipe_m + half_shaft_m, 0.0)};
   network.pipes = {pipe};
   AddBeyond(network, sewer % 3);
-  return {network, random.Index(std::uint64_t{1} << 62U)};
+  return {network, random.Index(std::uint64_t{1} << 62U),
+          set == ViewSet::kReproduction ? 1.0 : kDimmed};
+}
+
+robot::ImageSensor AutomaticExposure(robot::ImageSensor sensor, double light) {
+  const double bright_s = sensor.exposure_s;
+  sensor.exposure_s = std::min(bright_s / light, std::max(bright_s, kLongestExposure_s));
+  sensor.gain *= bright_s / (light * sensor.exposure_s);
+  return sensor;
 }
 
 ViewPlan DrawView(const LandmarkSewer& sewer, ViewPurpose purpose, ViewSet set, std::uint64_t seed,
@@ -175,7 +183,6 @@ ViewPlan DrawView(const LandmarkSewer& sewer, ViewPurpose purpose, ViewSet set, 
   const std::vector<std::size_t> which = Candidates(sewer.pipe(), kind);
   plan.landmark = which[random.Index(which.size())];
   plan.distance_m = random.Uniform(kNearest_m, inlet ? kFarthestInlet_m : kFarthestRing_m);
-  plan.light = set == ViewSet::kStress && random.Index(2) == 0 ? kDimmed : 1.0;
   const double off_m = random.Uniform(0.0, most.off_m), tilt_rad = random.Uniform(0, most.tilt_rad);
   const double off_to_rad = random.Uniform(-std::numbers::pi, std::numbers::pi);
   const double tilt_to_rad = random.Uniform(-std::numbers::pi, std::numbers::pi);
@@ -207,11 +214,11 @@ class LandmarkStage::Impl {
         stereo_rectifier_(description) {}
 
   std::vector<LandmarkPicture> Approach(const ViewPlan& plan, ViewCameras cameras,
-                                        std::uint64_t seed, const std::string& stream) {
+                                        std::uint64_t seed, const std::string& stream, int count) {
     const double end_m = world_.sewer->axes.front().length_m();
     const double at_m = ChainageOf(sewer_, plan, end_m) - plan.distance_m;
     std::vector<LandmarkPicture> pictures;
-    for (int i = 0; i < kPicturesOfApproach; ++i) {
+    for (int i = kPicturesOfApproach - count; i < kPicturesOfApproach; ++i) {
       const double travel_m = (i - kPicturesOfApproach + 1) * plan.between_m;
       const std::string noise = fmt::format("{}.picture.{}", stream, i);
       LandmarkPicture picture;
@@ -242,7 +249,10 @@ class LandmarkStage::Impl {
     return sim::MountPose(description_, link, mast_m_);
   }
 
-  [[nodiscard]] Mounted Make(const robot::Camera& camera) const {
+  [[nodiscard]] Mounted Make(robot::Camera camera) const {
+    camera.sensor = AutomaticExposure(camera.sensor, sewer_.light);
+    // Dimmed here, and not at the lamps: drawn in 256 levels, the dark would show contour lines.
+    camera.sensor.sensitivity_e_s *= sewer_.light;
     Isometry3d X_BC = Mount(camera.link);
     X_BC.rotate(camera.R_LC);
     return {camera.link, X_BC, sim::Imager(camera)};
@@ -255,7 +265,7 @@ class LandmarkStage::Impl {
       options.max_width_px = std::max(options.max_width_px, ideal.width_px);
       options.max_height_px = std::max(options.max_height_px, ideal.height_px);
     }
-    return options;
+    return FineOptions(options);
   }
 
   /// The base against the pipe's frame at its own chainage, when the robot has settled.
@@ -296,13 +306,12 @@ class LandmarkStage::Impl {
     for (const std::string& link : description_.lights)
       lamps.p_WLamp.push_back((X_WB * Mount(link)).translation());
     lamps.direction_W = (X_WB * Mount(description_.lights.at(0))).linear().col(0);
-    lamps.brightness = plan.light;
     const Vector3d along_W = world_.sewer->axes.front().PoseAt(at_m).linear().col(0);
     sim::CameraMotion motion;
     motion.velocity_C = plan.speed_m_s * (view.X_WC.linear().transpose() * along_W);
     const sim::MotionField field(camera.imager.lens(), *world_.rays, view.X_WC, motion);
     RandomStream noise(seed, stream + "." + camera.link);
-    return camera.imager.Expose(renderer_.Render(view, lamps), field, noise, scratch_);
+    return camera.imager.Expose(FineDrawing(renderer_, view, lamps), field, noise, scratch_);
   }
 
   const robot::Description description_;
@@ -322,9 +331,9 @@ LandmarkStage::LandmarkStage(const robot::Description& description, LandmarkSewe
 LandmarkStage::~LandmarkStage() = default;
 
 std::vector<LandmarkPicture> LandmarkStage::Approach(const ViewPlan& plan, ViewCameras cameras,
-                                                     std::uint64_t seed,
-                                                     const std::string& stream) {
-  return impl_->Approach(plan, cameras, seed, stream);
+                                                     std::uint64_t seed, const std::string& stream,
+                                                     int count) {
+  return impl_->Approach(plan, cameras, seed, stream, count);
 }
 
 void ForEachView(const robot::Description& description, const ViewRequest& request,
@@ -340,12 +349,15 @@ void ForEachView(const robot::Description& description, const ViewRequest& reque
       view.plan =
           DrawView(sewer, request.purpose, request.set, request.seed, number, i, request.kinds[i]);
       view.condition = sewer.pipe().condition;
+      view.material = sewer.pipe().material;
+      view.light = sewer.light;
       view.sizes.pipe_diameter_m = sewer.pipe().diameter_m;
       if (perception::ClassOf(view.plan.kind) == perception::LandmarkClass::kInlet)
         view.sizes.inlet_diameter_m = sewer.pipe().inlets.at(view.plan.landmark).diameter_m;
       view.pictures = stage.Approach(
           view.plan, request.cameras, request.seed,
-          fmt::format("{}.noise.{}", StreamOf(request.purpose, request.set, number), i));
+          fmt::format("{}.noise.{}", StreamOf(request.purpose, request.set, number), i),
+          request.pictures);
       use(std::move(view));
     }
   });

@@ -13,7 +13,8 @@
 
 namespace kantaro::scenarios {
 
-/// Which views: as in the thesis' dry test field, or far worse.
+/// Which views: as in the thesis' dry test field, or far worse: wet, dimmed, of any material, off
+/// the axis, leaning, and the right camera turned.
 enum class ViewSet { kReproduction, kStress };
 /// Calibration sees training views, experiments test views; no sewer, texture, pose or noise is in
 /// both.
@@ -30,7 +31,6 @@ struct ViewPlan {
   perception::LandmarkKind kind{};
   std::size_t landmark{};       ///< among the joints or inlets of the pipe
   double distance_m{};          ///< from the camera along the pipe when the last picture is taken
-  double light{1.0};            ///< of the lamps
   double off_y_m{}, off_z_m{};  ///< from where the robot stands when it has settled
   double roll_rad{}, pitch_rad{}, yaw_rad{};  ///< likewise
   double yaw_error_rad{};                     ///< of the right camera, against its calibration
@@ -44,6 +44,7 @@ struct ViewPlan {
 struct LandmarkSewer {
   network::Network network;
   std::uint64_t texture_seed{};
+  double light{1.0};  ///< of the lamps
   [[nodiscard]] const network::Pipe& pipe() const { return network.pipes.front(); }
 };
 [[nodiscard]] LandmarkSewer DrawSewer(ViewPurpose purpose, ViewSet set, std::uint64_t seed,
@@ -52,6 +53,11 @@ struct LandmarkSewer {
 [[nodiscard]] ViewPlan DrawView(const LandmarkSewer& sewer, ViewPurpose purpose, ViewSet set,
                                 std::uint64_t seed, std::size_t sewer_number, std::size_t view,
                                 perception::LandmarkKind kind);
+
+/// What a video camera does in this share of the light that it is set for: it opens its shutter as
+/// long as a field lasts, then raises its gain, until the picture is as bright. Noise and motion
+/// blur are what is left.
+[[nodiscard]] robot::ImageSensor AutomaticExposure(robot::ImageSensor sensor, double light);
 
 /// One picture, or pair, of an approach, as the robot's code gets it: rectified brightness.
 struct LandmarkPicture {
@@ -69,9 +75,10 @@ class LandmarkStage {
   LandmarkStage(const robot::Description& description, LandmarkSewer sewer);
   ~LandmarkStage();
 
+  /// @param count  the last so many pictures; a picture is the same with or without those before
   [[nodiscard]] std::vector<LandmarkPicture> Approach(const ViewPlan& plan, ViewCameras cameras,
-                                                      std::uint64_t seed,
-                                                      const std::string& stream);
+                                                      std::uint64_t seed, const std::string& stream,
+                                                      int count = kPicturesOfApproach);
 
  private:
   class Impl;
@@ -83,6 +90,8 @@ struct LandmarkView {
   std::size_t number{};  ///< among all
   ViewPlan plan;
   network::WallCondition condition{};
+  network::Material material{};
+  double light{1.0};  ///< of the lamps
   perception::KnownSizes sizes;
   std::vector<LandmarkPicture> pictures;
 };
@@ -94,7 +103,8 @@ struct ViewRequest {
   ViewCameras cameras{ViewCameras::kFront};
   std::vector<perception::LandmarkKind> kinds;  ///< of each view
   std::uint64_t seed{1};
-  unsigned jobs{1};  ///< threads; changes no view
+  unsigned jobs{1};                   ///< threads; changes no view
+  int pictures{kPicturesOfApproach};  ///< of each approach, its last ones
 };
 
 /// So many views are taken in one sewer: three sewers for the thesis' 74 or 70.

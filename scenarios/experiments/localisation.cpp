@@ -9,6 +9,7 @@
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "base/input_error.hpp"
 #include "perception/parameters.hpp"
@@ -74,11 +75,24 @@ double Cpu_ms() {
   return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
 }
 
+const char* WordOf(network::Material material) {
+  switch (material) {
+    case network::Material::kPvc:
+      return "pvc";
+    case network::Material::kClay:
+      return "clay";
+    case network::Material::kConcrete:
+      return "concrete";
+    case network::Material::kLined:
+      return "lined";
+  }
+  throw std::invalid_argument("no such material");
+}
+
 std::string ConditionOf(const LandmarkView& view) {
-  const char* wall = view.condition == network::WallCondition::kDry   ? "dry"
-                     : view.condition == network::WallCondition::kWet ? "wet"
-                                                                      : "slimy";
-  return fmt::format("{}, {}", wall, view.plan.light < 1.0 ? "dimmed" : "bright");
+  return fmt::format("{}, {}, {}", WordOf(view.material),
+                     view.condition == network::WallCondition::kDry ? "dry" : "wet",
+                     view.light < 1.0 ? "dimmed" : "bright");
 }
 
 Outcome Ask(const robot::Description& description, perception::LandmarkParameters parameters,
@@ -213,6 +227,11 @@ void CheckMethods(const std::vector<std::string>& only) {
   }
 }
 
+bool Wanted(const ExperimentOptions& options, const char* method) {
+  return options.only.empty() ||
+         std::find(options.only.begin(), options.only.end(), method) != options.only.end();
+}
+
 /// The thesis' proportions, again and again.
 std::vector<perception::LandmarkKind> Kinds(const Trial& trial, std::size_t count) {
   const auto once = SpreadKinds(trial.manholes, trial.joints, trial.inlets);
@@ -235,13 +254,16 @@ Json Run(const Trial& trial, const ExperimentOptions& options) {
   for (const ViewSet set : kSets) {
     std::array<std::vector<Outcome>, kMethods.size()> outcomes;
     outcomes.fill(std::vector<Outcome>(count));
-    const ViewRequest request{ViewPurpose::kTest,  set,          trial.cameras,
-                              Kinds(trial, count), options.seed, options.jobs};
+    const ViewRequest request{ViewPurpose::kTest,
+                              set,
+                              trial.cameras,
+                              Kinds(trial, count),
+                              options.seed,
+                              options.jobs,
+                              Wanted(options, "ours") ? kPicturesOfApproach : 1};
     ForEachView(description, request, [&](LandmarkView&& view) {
       for (std::size_t m = 0; m < kMethods.size(); ++m) {
-        if (!options.only.empty() && std::find(options.only.begin(), options.only.end(),
-                                               kMethods[m].first) == options.only.end())
-          continue;
+        if (!Wanted(options, kMethods[m].first)) continue;
         outcomes[m][view.number] =
             Ask(description, parameters, trial.cameras, kMethods[m].second, view);
       }

@@ -7,10 +7,12 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <opencv2/core.hpp>
 #include <set>
 #include <string>
 #include <tuple>
 
+#include "scenarios/experiments/fine_drawing.hpp"
 #include "scenarios/landmark_calibration.hpp"
 #include "sim/sewer.hpp"
 
@@ -120,14 +122,66 @@ TEST(LandmarkViews, KeepTheirDistancesAndPosesInBounds) {
   EXPECT_GT(farthest_m, 1.45);
 }
 
+// Tables 4.1 and 5.4.
 TEST(LandmarkViews, AreOfTheThesisKindsInItsProportions) {
-  const auto kinds = SpreadKinds(28, 28, 18);
-  std::map<LandmarkKind, int> counts;
-  for (const LandmarkKind kind : kinds) ++counts[kind];
-  EXPECT_EQ(counts[LandmarkKind::kManhole], 28);
-  EXPECT_EQ(counts[LandmarkKind::kJoint], 28);
-  EXPECT_EQ(counts[LandmarkKind::kInletLeft], 9);
-  EXPECT_EQ(counts[LandmarkKind::kInletRight], 9);
+  const auto counts_of = [](const std::vector<LandmarkKind>& kinds) {
+    std::map<LandmarkKind, int> counts;
+    for (const LandmarkKind kind : kinds) ++counts[kind];
+    return std::array{counts[LandmarkKind::kManhole], counts[LandmarkKind::kJoint],
+                      counts[LandmarkKind::kInletLeft], counts[LandmarkKind::kInletRight]};
+  };
+  EXPECT_EQ(counts_of(SpreadKinds(28, 28, 18)), (std::array{28, 28, 9, 9}));
+  EXPECT_EQ(counts_of(SpreadKinds(32, 26, 12)), (std::array{32, 26, 6, 6}));
+}
+
+TEST(LandmarkViews, AreAllWetAndDimmedUnderStress) {
+  std::set<network::Material> materials;
+  std::set<double> diameters_m;
+  for (std::size_t i = 0; i < kSewers; ++i) {
+    const LandmarkSewer stress = DrawSewer(ViewPurpose::kTest, ViewSet::kStress, 1, i);
+    materials.insert(stress.pipe().material);
+    diameters_m.insert(stress.pipe().diameter_m);
+    EXPECT_EQ(stress.pipe().condition, network::WallCondition::kWet);
+    EXPECT_EQ(stress.light, 0.125);
+    const LandmarkSewer plain = DrawSewer(ViewPurpose::kTest, ViewSet::kReproduction, 1, i);
+    EXPECT_EQ(plain.pipe().material, network::Material::kPvc);
+    EXPECT_EQ(plain.pipe().condition, network::WallCondition::kDry);
+    EXPECT_EQ(plain.light, 1.0);
+  }
+  EXPECT_EQ(materials.size(), 4U);
+  EXPECT_EQ(diameters_m, (std::set{0.200, 0.250, 0.300, 0.350}));
+}
+
+// An eighth of the light: 1/60 s instead of 5 ms makes up for 3.337, gain for the rest.
+TEST(LandmarkViews, AreExposedAsAVideoCameraDoes) {
+  robot::ImageSensor sensor;
+  sensor.exposure_s = 0.005;
+  sensor.gain = 2.0;
+  const robot::ImageSensor dimmed = AutomaticExposure(sensor, 0.125);
+  EXPECT_NEAR(dimmed.exposure_s, 0.0166833, 1e-7);
+  EXPECT_NEAR(dimmed.exposure_s * dimmed.gain * 0.125, 0.005 * 2.0, 1e-12);
+  const robot::ImageSensor bright = AutomaticExposure(sensor, 1.0);
+  EXPECT_EQ(bright.exposure_s, 0.005);
+  EXPECT_EQ(bright.gain, 2.0);
+  const robot::ImageSensor half = AutomaticExposure(sensor, 0.5);
+  EXPECT_NEAR(half.exposure_s, 0.010, 1e-12);
+  EXPECT_NEAR(half.gain, 2.0, 1e-12);
+}
+
+// Nine points, one of them white: a ninth of white's exposure, of whose root the level speaks:
+// 0.03 + 0.97 sqrt(1 / 9) of 255 is 90. The mean of levels, 35, would hide a thin bright ring.
+TEST(FineDrawing, AveragesLightAndNotLevels) {
+  cv::Mat image(3, 6, CV_8UC3, cv::Scalar::all(std::lround(255 * 0.03)));
+  image.at<cv::Vec3b>(1, 1) = {255, 255, 255};
+  const cv::Mat mean = MeanLight(image, 3);
+  ASSERT_EQ(mean.size(), cv::Size(2, 1));
+  EXPECT_NEAR(mean.at<cv::Vec3b>(0, 0)[0], 90, 1);
+  EXPECT_NEAR(mean.at<cv::Vec3b>(0, 1)[2], 8, 1);
+  for (const int level : {8, 9, 20, 60, 128, 254, 255}) {
+    const cv::Mat even(3, 3, CV_8UC3, cv::Scalar::all(level));
+    EXPECT_EQ(MeanLight(even, 3).at<cv::Vec3b>(0, 0)[1], level);
+  }
+  EXPECT_THROW((void)MeanLight(image, 4), std::invalid_argument);
 }
 
 // d = 2 − 0.01 n, exactly.
