@@ -51,11 +51,12 @@ endfunction()
 add_custom_target(fast_tests)
 add_custom_target(fuzzers)
 
-# kantaro_test(NAME LABEL fast|slow|soak SOURCES ... DEPENDS ... [TIMEOUT s]): one GoogleTest program,
-# each of its tests known to CTest. KANTARO_SOURCE_DIR is the checkout, for models and test data.
+# kantaro_test(NAME LABEL fast|slow|soak SOURCES ... DEPENDS ... [TIMEOUT s] [SINGLY]): one GoogleTest program. CTest knows
+# each of its suites, whose tests share a process and what it costs to make their world; SINGLY: each of its tests.
+# KANTARO_SOURCE_DIR is the checkout, for models and test data.
 # LABEL fast is also run under the sanitizers; soak is left out of the default run.
 function(kantaro_test name)
-  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "SINGLY" "LABEL;TIMEOUT" "SOURCES;DEPENDS" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
   endif()
@@ -66,8 +67,25 @@ function(kantaro_test name)
   if(ARG_LABEL STREQUAL "fast")
     add_dependencies(fast_tests ${name})
   endif()
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 120
-                       PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${ARG_TIMEOUT})
+  if(ARG_SINGLY)
+    gtest_discover_tests(${name} DISCOVERY_TIMEOUT 120
+                         PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${ARG_TIMEOUT})
+  else()
+    kantaro_discover_suites(${name} ${ARG_LABEL} ${ARG_TIMEOUT})
+  endif()
+endfunction()
+
+# Makes the suites of a built program known to CTest, as gtest_discover_tests does its tests.
+function(kantaro_discover_suites program label timeout)
+  set(stub ${CMAKE_CURRENT_BINARY_DIR}/${program}_stub.cmake)
+  set(suites ${CMAKE_CURRENT_BINARY_DIR}/${program}_suites.cmake)
+  file(WRITE ${stub} "if(EXISTS \"${suites}\")\n  include(\"${suites}\")\nelse()\n"
+                     "  add_test(${program}_NOT_BUILT ${program}_NOT_BUILT)\nendif()\n")
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${stub})
+  add_custom_command(TARGET ${program} POST_BUILD BYPRODUCTS ${suites} VERBATIM
+    COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${program}> -DFILE=${suites} -DLABEL=${label}
+            -DTIMEOUT=${timeout} -DFOLDER=${CMAKE_CURRENT_BINARY_DIR}
+            -P ${PROJECT_SOURCE_DIR}/cmake/AddSuites.cmake)
 endfunction()
 
 # kantaro_bench(NAME SOURCES ... DEPENDS ...): one Google Benchmark program, never run by CTest.

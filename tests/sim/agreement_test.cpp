@@ -30,9 +30,9 @@ struct WallPoint {
 /// The kinds of place that the three are compared at.
 enum class Place { kStraight, kJoint, kMouth, kChannel, kBend, kInlet, kStep, kFloor, kSolid };
 
-class AgreementIn : public testing::Test {
- protected:
-  explicit AgreementIn(const std::string& network) : sewer_(BuildSewer(Drained(network))) {}
+/// One sewer in its three forms, which take seconds to make: tests share it.
+struct ThreeForms {
+  explicit ThreeForms(const std::string& network) : sewer(BuildSewer(Drained(network))) {}
 
   /// Pictures show water, which is no wall.
   static network::Network Drained(const std::string& name) {
@@ -41,13 +41,24 @@ class AgreementIn : public testing::Test {
     return net;
   }
 
+  Sewer sewer;
+  VoidField field{sewer.voids, sewer.solids};
+  SurfaceMesh mesh = Tessellate(sewer.voids, sewer.solids);
+  RayCaster rays{mesh};
+  Renderer renderer{std::make_shared<const Scenery>(sewer, mesh)};
+};
+
+class AgreementIn : public testing::Test {
+ protected:
+  explicit AgreementIn(ThreeForms& forms)
+      : sewer_(forms.sewer), field_(forms.field), rays_(forms.rays), renderer_(forms.renderer) {}
+
   static constexpr double kBack_m = 0.03;  ///< looked at from so far inside the void
 
-  Sewer sewer_;
-  VoidField field_{sewer_.voids, sewer_.solids};
-  SurfaceMesh mesh_ = Tessellate(sewer_.voids, sewer_.solids);
-  RayCaster rays_{mesh_};
-  Renderer renderer_{std::make_shared<const Scenery>(sewer_, mesh_)};
+  const Sewer& sewer_;
+  const VoidField& field_;
+  const RayCaster& rays_;
+  Renderer& renderer_;
 
   static bool Matches(const VoidPrimitive& v, Place place) {
     switch (place) {
@@ -222,11 +233,19 @@ class AgreementIn : public testing::Test {
 
 class Agreement : public AgreementIn {
  protected:
-  Agreement() : AgreementIn("test_field.yaml") {}
+  Agreement() : AgreementIn(Forms()) {}
+  static ThreeForms& Forms() {
+    static ThreeForms forms("test_field.yaml");
+    return forms;
+  }
 };
 class AgreementOfElements : public AgreementIn {
  protected:
-  AgreementOfElements() : AgreementIn("every_element.yaml") {}
+  AgreementOfElements() : AgreementIn(Forms()) {}
+  static ThreeForms& Forms() {
+    static ThreeForms forms("every_element.yaml");
+    return forms;
+  }
 };
 
 TEST_F(Agreement, OnStraights) { Compare(Place::kStraight, 167); }

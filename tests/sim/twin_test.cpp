@@ -25,8 +25,21 @@ constexpr double kCruise_rad_s = 0.12 / 0.045;
 class TwinTest : public testing::Test {
  protected:
   robot::Description description_ = robot::ReadDescription(KANTARO_SOURCE_DIR "/models/kantaro");
-  network::Network network_ =
-      network::ReadNetwork(KANTARO_SOURCE_DIR "/models/networks/test_field.yaml");
+
+  /// The test field, which takes seconds to make: tests share it. What a twin draws depends on no
+  /// other twin.
+  static const World& Seen() {
+    static const World world =
+        BuildWorld(network::ReadNetwork(KANTARO_SOURCE_DIR "/models/networks/test_field.yaml"), 1,
+                   /*cameras=*/true);
+    return world;
+  }
+  static const World& Unseen() {
+    static const World world =
+        BuildWorld(network::ReadNetwork(KANTARO_SOURCE_DIR "/models/networks/test_field.yaml"), 1,
+                   /*cameras=*/false);
+    return world;
+  }
 
   Conditions StartIn(const std::string& pipe, double chainage_m) const {
     Conditions conditions;
@@ -68,7 +81,7 @@ std::string Digest(Twin& twin) {
 }
 
 TEST_F(TwinTest, HandsOverEverySensorInOrderAtItsRate) {
-  Twin twin(BuildWorld(network_, 1, /*cameras=*/true), description_, StartIn("P1", 1.0));
+  Twin twin(Seen(), description_, StartIn("P1", 1.0));
   twin.Apply({kCruise_rad_s, kCruise_rad_s, 1.0});
   std::array<int, std::variant_size_v<decltype(robot::Reading::value)>> count{};
   robot::RunTime last{};
@@ -101,7 +114,7 @@ TEST_F(TwinTest, HandsOverEverySensorInOrderAtItsRate) {
 TEST_F(TwinTest, StopsAndSaysSoWhenTheBatteryIsEmpty) {
   Conditions conditions = StartIn("P1", 1.0);
   conditions.battery_charge = 0.0002;
-  Twin twin(BuildWorld(network_, 1, false), description_, conditions);
+  Twin twin(Unseen(), description_, conditions);
   EXPECT_EQ(twin.Apply({kCruise_rad_s, kCruise_rad_s, 1.0}), robot::CommandOutcome::kHonoured);
   std::size_t lost = 0;
   robot::RunTime at{};
@@ -120,7 +133,7 @@ TEST_F(TwinTest, StopsAndSaysSoWhenTheBatteryIsEmpty) {
 }
 
 TEST_F(TwinTest, TheLaserSeesThePipeAndThenOnlyTheTopOfAPlainManhole) {
-  Twin twin(BuildWorld(network_, 1, false), description_, StartIn("P1", 2.0));
+  Twin twin(Unseen(), description_, StartIn("P1", 2.0));
   const auto next_turn = [](Twin& from) {
     while (const auto reading = from.Read()) {
       if (const auto* laser = std::get_if<robot::LaserRevolution>(&reading->value)) return *laser;
@@ -172,7 +185,7 @@ const cv::Rect kWindows[] = {
 // The whole way of a picture, through lens and sensor and back through the calibration, ends at
 // what an ideal pinhole on the camera's link sees.
 TEST_F(TwinTest, RectifiedPicturesAreThoseOfIdealPinholes) {
-  const World world = BuildWorld(network_, 1, true);
+  const World& world = Seen();
   Twin twin(world, description_, StartIn("P1", 1.0));
   const robot::StereoPair pair =
       robot::StereoRectifier(description_).Rectify(FirstOf<robot::StereoPair>(twin));
@@ -204,7 +217,7 @@ TEST_F(TwinTest, RectifiedPicturesAreThoseOfIdealPinholes) {
 
 // 0.05° turned to the right is f tan 0.05° (1 + x²) to the left: here x² is about 0.2.
 TEST_F(TwinTest, AStereoYawErrorMovesTheRightPictureAlone) {
-  const World world = BuildWorld(network_, 1, true);
+  const World& world = Seen();
   Conditions conditions = StartIn("P1", 1.0);
   Twin as_calibrated(world, description_, conditions);
   conditions.cameras.stereo_yaw_error_rad = 0.05 * M_PI / 180.0;
@@ -220,7 +233,7 @@ TEST_F(TwinTest, AStereoYawErrorMovesTheRightPictureAlone) {
 TEST_F(TwinTest, ReportsTheFramesThatWereDropped) {
   Conditions conditions = StartIn("P1", 1.0);
   conditions.cameras.dropped_share = 0.5;
-  Twin twin(BuildWorld(network_, 1, true), description_, conditions);
+  Twin twin(Seen(), description_, conditions);
   int images = 0, lost = 0;
   while (const auto reading = twin.Read()) {
     if (robot::SensorOf(*reading) > robot::Sensor::kStereoCameras) continue;
@@ -235,7 +248,7 @@ TEST_F(TwinTest, ReportsTheFramesThatWereDropped) {
 }
 
 TEST_F(TwinTest, RepeatsToTheBitWhateverTheNumberOfRenderThreads) {
-  const World world = BuildWorld(network_, 1, true);
+  const World& world = Seen();
   Conditions conditions = StartIn("P1", 1.0);
   conditions.time_limit_s = 1.0;
   const auto digest_with = [&](int threads) {
@@ -249,7 +262,7 @@ TEST_F(TwinTest, RepeatsToTheBitWhateverTheNumberOfRenderThreads) {
 }
 
 TEST_F(TwinTest, AnotherSeedIsAnotherRun) {
-  const World world = BuildWorld(network_, 1, false);
+  const World& world = Unseen();
   Conditions conditions = StartIn("P1", 1.0);
   Twin one(world, description_, conditions);
   conditions.seed = 6;
@@ -258,16 +271,16 @@ TEST_F(TwinTest, AnotherSeedIsAnotherRun) {
 }
 
 TEST_F(TwinTest, KnowsWhereItTrulyIs) {
-  Twin twin(BuildWorld(network_, 1, false), description_, StartIn("P2", 3.0));
+  Twin twin(Unseen(), description_, StartIn("P2", 3.0));
   const GroundTruth truth = twin.Truth();
   ASSERT_TRUE(truth.pipe);
-  EXPECT_EQ(network_.pipes[*truth.pipe].name, "P2");
+  EXPECT_EQ(Unseen().sewer->network.pipes[*truth.pipe].name, "P2");
   EXPECT_NEAR(truth.chainage_m, 3.0, 0.01);
   EXPECT_FALSE(truth.upper_box_touched);
 }
 
 TEST_F(TwinTest, SpeedIsTheSpeedAlongThePipe) {
-  Twin twin(BuildWorld(network_, 1, false), description_, StartIn("P1", 1.0));
+  Twin twin(Unseen(), description_, StartIn("P1", 1.0));
   twin.Apply({kCruise_rad_s, kCruise_rad_s, 1.0});
   while (twin.Read()) {
   }
@@ -279,7 +292,7 @@ TEST_F(TwinTest, WheelsSlipWhereTheyFindNoGrip) {
   Conditions conditions = StartIn("P1", 3.0);
   conditions.start.facing_downstream = false;
   conditions.wheel_friction = 0.002;
-  Twin twin(BuildWorld(network_, 1, false), description_, conditions);
+  Twin twin(Unseen(), description_, conditions);
   const double from = twin.Truth().chainage_m;
   twin.Apply({kCruise_rad_s, kCruise_rad_s, 1.0});
   double rolled = 0.0;
@@ -292,7 +305,7 @@ TEST_F(TwinTest, WheelsSlipWhereTheyFindNoGrip) {
 }
 
 TEST_F(TwinTest, RefusesCommandsThatAreNoNumbers) {
-  Twin twin(BuildWorld(network_, 1, false), description_, StartIn("P1", 1.0));
+  Twin twin(Unseen(), description_, StartIn("P1", 1.0));
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(twin.Apply({nan, 0.0, 1.0}), std::invalid_argument);
   EXPECT_THROW(twin.Apply({0.0, 0.0, 1.5}), std::invalid_argument);
