@@ -1,10 +1,14 @@
 #include "scenarios/experiments/stereo_views.hpp"
 
+#include <algorithm>
+
 #include "base/random.hpp"
 #include "perception/brightness.hpp"
+#include "robot/rectifier.hpp"
+#include "scenarios/experiments/fine_drawing.hpp"
+#include "sim/imager.hpp"
 #include "sim/physics.hpp"
 #include "sim/robot_model.hpp"
-#include "sim/sensor_noise.hpp"
 #include "sim/twin.hpp"
 
 namespace kantaro::scenarios {
@@ -43,21 +47,22 @@ class StereoStage::Impl {
       : description_(description),
         mast_m_(description.MastHeight(diameter_m)),
         world_(sim::BuildWorld(PipeToAManhole(diameter_m), texture_seed, true)),
-        renderer_(world_.scenery) {}
+        renderer_(world_.scenery, FineOptions(Largest())),
+        rectifier_(description_) {}
 
   StereoView See(double distance_m, double light, std::uint64_t seed, const std::string& stream) {
-    const Isometry3d X_BC = Mount(description_.stereo_left.link);
+    const Isometry3d X_BL = Mount(description_.stereo_left.link);
     const double length_m = world_.sewer->axes[0].length_m();
-    const Isometry3d X_WB = Stand(length_m - distance_m - X_BC.translation().x());
-    StereoView view;
-    view.left = Photograph(X_WB, description_.stereo_left, light, seed, stream);
-    view.right = Photograph(X_WB, description_.stereo_right, light, seed, stream);
-    view.depth_m = renderer_.RenderDepth(Look(X_WB, description_.stereo_left));
-    view.mouth_m = distance_m;
-    view.focal_px = description_.stereo_left.focal_px;
-    view.baseline_m =
-        (X_BC.translation() - Mount(description_.stereo_right.link).translation()).norm();
-    return view;
+    const Isometry3d X_WB = Stand(length_m - distance_m - X_BL.translation().x());
+    const robot::StereoPair pair = rectifier_.Rectify(
+        {perception::Brightness(Photograph(X_WB, description_.stereo_left, light, seed, stream)),
+         perception::Brightness(Photograph(X_WB, description_.stereo_right, light, seed, stream))});
+    return {pair.left,
+            pair.right,
+            renderer_.RenderDepth(RectifiedLeft(X_WB)),
+            distance_m,
+            description_.stereo_left.focal_px,
+            robot::StereoBaseline_m(description_)};
   }
 
  private:
@@ -74,28 +79,54 @@ class StereoStage::Impl {
     return physics.PoseOfBase();
   }
 
-  [[nodiscard]] sim::CameraView Look(const Isometry3d& X_WB, const robot::Camera& camera) const {
-    return {X_WB * Mount(camera.link), camera.width_px,    camera.height_px,
-            camera.focal_px,           camera.center_x_px, camera.center_y_px};
+  /// Of a camera as it truly sits in its mount.
+  [[nodiscard]] Isometry3d PoseOf(const robot::Camera& camera) const {
+    Isometry3d X_BC = Mount(camera.link);
+    X_BC.rotate(camera.R_LC);
+    return X_BC;
   }
 
-  cv::Mat Photograph(const Isometry3d& X_WB, const robot::Camera& camera, double light,
-                     std::uint64_t seed, const std::string& stream) {
+  [[nodiscard]] sim::RendererOptions Largest() const {
+    const sim::CameraView left = sim::LensMap(description_.stereo_left).ideal();
+    const sim::CameraView right = sim::LensMap(description_.stereo_right).ideal();
+    return {std::max(left.width_px, right.width_px), std::max(left.height_px, right.height_px)};
+  }
+
+  /// The ideal pinhole that the left picture is rectified to.
+  [[nodiscard]] sim::CameraView RectifiedLeft(const Isometry3d& X_WB) const {
+    const robot::Camera& camera = description_.stereo_left;
+    Isometry3d X_WR = X_WB * PoseOf(camera);
+    X_WR.rotate(robot::StereoRectification(description_, camera).transpose());
+    return {X_WR,
+            camera.width_px,
+            camera.height_px,
+            camera.focal_px,
+            camera.center_x_px,
+            camera.center_y_px};
+  }
+
+  /// The robot stands: nothing blurs.
+  cv::Mat Photograph(const Isometry3d& X_WB, robot::Camera camera, double light, std::uint64_t seed,
+                     const std::string& stream) {
+    // Dimmed here, and not at the lamps: drawn in 256 levels, the dark would show contour lines.
+    camera.sensor.sensitivity_e_s *= light;
+    const sim::Imager imager(camera);
+    sim::CameraView view = imager.lens().ideal();
+    view.X_WC = X_WB * PoseOf(camera);
     sim::Lamps lamps;
     for (const std::string& link : description_.lights)
       lamps.p_WLamp.push_back((X_WB * Mount(link)).translation());
     lamps.direction_W = (X_WB * Mount(description_.lights.at(0))).linear().col(0);
-    lamps.brightness = light;
-    cv::Mat image = renderer_.Render(Look(X_WB, camera), lamps);
     RandomStream noise(seed, stream + "." + camera.link);
-    sim::AddSensorNoise(image, noise);
-    return perception::Brightness(image);
+    return imager.Expose(FineDrawing(renderer_, view, lamps), {}, noise, scratch_);
   }
 
   const robot::Description description_;
   const double mast_m_;
   const sim::World world_;
   sim::Renderer renderer_;
+  sim::Imager::Scratch scratch_;
+  const robot::StereoRectifier rectifier_;
 };
 
 StereoStage::StereoStage(const robot::Description& description, double diameter_m,

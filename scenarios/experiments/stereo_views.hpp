@@ -12,9 +12,11 @@ namespace kantaro::scenarios {
 
 /// What the stereo cameras see of a manhole's mouth ahead, and what is really there.
 struct StereoView {
-  cv::Mat left, right;  ///< 8-bit brightness, with the sensor's noise
-  cv::Mat depth_m;      ///< CV_32F, of the left image along its optical axis; 0: nothing in reach
-  double mouth_m{};     ///< from the left camera to where the pipe ends, along the pipe
+  /// 8-bit brightness as the robot's code gets it: through lens and sensor, then rectified.
+  cv::Mat left, right;
+  /// CV_32F, of the rectified left image along its optical axis; 0: nothing in reach
+  cv::Mat depth_m;
+  double mouth_m{};  ///< from the left camera to where the pipe ends, along the pipe
   double focal_px{}, baseline_m{};
 };
 
