@@ -88,8 +88,8 @@ inline GLuint CompileShader(const Gl& gl, GLenum kind, const std::string& source
 }
 
 /// @throws RenderingUnavailable if OpenGL refuses a shader.
-inline GLuint LinkProgram(const Gl& gl, const std::string& fragment_source,
-                          const std::string& vertex_source = kVertexShader) {
+inline GLuint LinkProgram(const Gl& gl, const std::string& vertex_source,
+                          const std::string& fragment_source) {
   const GLuint program = gl.CreateProgram();
   gl.AttachShader(program, CompileShader(gl, GL_VERTEX_SHADER, kVersion + vertex_source));
   gl.AttachShader(program, CompileShader(gl, GL_FRAGMENT_SHADER, kVersion + fragment_source));

@@ -21,7 +21,12 @@ std::unique_ptr<OpenGl> OpenChosen() {
 /// One for the whole process, as MuJoCo keeps one set of entry points. Never closed: worker threads
 /// of the library outlive main().
 OpenGl& Chosen() {
-  static OpenGl* const gl = OpenChosen().release();
+  static OpenGl* const gl = [] {
+    // Mesa keeps compiled shaders on disk and does not tell those for narrow vectors from those for
+    // wide ones: a program must not depend on what another left there.
+    setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);
+    return OpenChosen().release();
+  }();
   return *gl;
 }
 

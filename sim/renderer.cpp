@@ -23,6 +23,9 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kNear_m = 0.02;
+/// One lamp in the middle of lamps no farther than this from it lights a wall 0.2 m away by 1 %
+/// more or less than they do.
+constexpr double kTogether_m = 0.025;
 /// Sent back where nothing at all shines, as a share of full scale: the sensor's black level.
 constexpr double kBlack = 0.03;
 constexpr std::array<double, 3> kVeilColour{1.35, 0.85, 1.10};  ///< blue, green, red
@@ -64,6 +67,18 @@ std::array<cv::Vec3b, 256> ToneTable(double brightness) {
     }
   }
   return tone;
+}
+
+/// Lamps that are as good as one become one.
+Lamps Merged(const Lamps& lamps) {
+  if (lamps.p_WLamp.empty()) return lamps;
+  Vector3d p_WMiddle = Vector3d::Zero();
+  for (const Vector3d& p_WLamp : lamps.p_WLamp)
+    p_WMiddle += p_WLamp / static_cast<double>(lamps.p_WLamp.size());
+  const bool together = std::ranges::all_of(lamps.p_WLamp, [&](const Vector3d& p_WLamp) {
+    return (p_WLamp - p_WMiddle).norm() < kTogether_m;
+  });
+  return together ? Lamps{{p_WMiddle}, lamps.direction_W, lamps.brightness} : lamps;
 }
 
 /// Through the tone table, the right way up, and blurred by (1, 6, 1) / 8 each way: no lens is
@@ -133,7 +148,7 @@ class Renderer::Impl {
     }
     mujocos_framebuffer_ = mujoco_.offFBO;
     SampleOneLevel();
-    depth_program_ = LinkProgram(*gl_, kDepthShader);
+    depth_program_ = Program(1, kDepthVertexShader, kDepthShader);
     mjv_defaultScene(&scene_);
     mjv_makeScene(&scenery_->model(), &scene_, static_cast<int>(scenery_->pieces().size()));
     std::ranges::fill(scene_.flags, mjtByte{0});
@@ -151,21 +166,21 @@ class Renderer::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  cv::Mat Render(const CameraView& view, const Lamps& lamps) {
+  cv::Mat Render(const CameraView& view, const Lamps& given) {
     Check(view);
-    if (lamps.p_WLamp.size() > kMaxLamps)
+    if (given.p_WLamp.size() > kMaxLamps)
       throw std::invalid_argument("more lamps than a renderer can light");
+    const Lamps lamps = Merged(given);
     const OffscreenContext::Current current(context_);
     ChoosePieces(view);
     const std::span drawn(scene_.geoms, static_cast<std::size_t>(scene_.ngeom));
     const bool film =
         std::ranges::any_of(drawn, [](const mjvGeom& geom) { return geom.emission > 0.0f; });
-    const GLuint program = film ? LampProgram(film_programs_, lamps.p_WLamp.size(),
-                                              std::string("#define FILM\n") + kLampShader)
-                                : LampProgram(lamp_programs_, lamps.p_WLamp.size(), kLampShader);
+    const GLuint program = film ? LampProgram(film_programs_, lamps, kVertexShader, FilmShader())
+                                : LampProgram(lamp_programs_, lamps, kVertexShader, kLampShader);
     gl_->UseProgram(program);
     SetLamps(view, lamps, program);
-    Draw(view, program);
+    Draw(view);
     if (const auto sheets = VisibleWater(view); !sheets.empty()) DrawWater(view, lamps, sheets);
     return Develop(ReadBack(view), ToneTable(lamps.p_WLamp.empty() ? 0.0 : lamps.brightness));
   }
@@ -175,7 +190,7 @@ class Renderer::Impl {
     const OffscreenContext::Current current(context_);
     ChoosePieces(view);
     gl_->UseProgram(depth_program_);
-    Draw(view, depth_program_);
+    Draw(view);
     for (const WaterSheet* sheet : VisibleWater(view)) DrawSheet(view, *sheet);
     const cv::Mat& pixels = ReadBack(view);
     cv::Mat depth(pixels.size(), CV_32F);
@@ -213,16 +228,22 @@ class Renderer::Impl {
 
   using LampPrograms = std::array<GLuint, kMaxLamps + 1>;
 
-  /// The shader for so many lamps. None is drawn as one that is switched off.
-  GLuint LampProgram(LampPrograms& programs, std::size_t count, const std::string& fragment_source,
-                     const char* vertex_source = kVertexShader) const {
+  /// A program for so many lamps.
+  [[nodiscard]] GLuint Program(std::size_t lamps, const std::string& vertex_source,
+                               const std::string& fragment_source) const {
+    const std::string defined =
+        fmt::format("#define LAMPS {}\n#define REACH {:.3f}\n", lamps, kReach_m);
+    return LinkProgram(*gl_, defined + vertex_source, defined + fragment_source);
+  }
+
+  static std::string FilmShader() { return std::string("#define FILM\n") + kLampShader; }
+
+  /// None is drawn as one that is switched off.
+  GLuint LampProgram(LampPrograms& programs, const Lamps& lamps, const std::string& vertex_source,
+                     const std::string& fragment_source) const {
+    const std::size_t count = std::max<std::size_t>(lamps.p_WLamp.size(), 1);
     GLuint& program = programs[count];
-    if (program == 0) {
-      program = LinkProgram(
-          *gl_,
-          fmt::format("#define LAMPS {}\n", std::max<std::size_t>(count, 1)) + fragment_source,
-          vertex_source);
-    }
+    if (program == 0) program = Program(count, vertex_source, fragment_source);
     return program;
   }
 
@@ -236,15 +257,11 @@ class Renderer::Impl {
       p_ELamp[i] = (R_EW * (lamps.p_WLamp[i] - view.X_WC.translation())).cast<float>();
     }
     const auto count = std::max(static_cast<GLint>(lamps.p_WLamp.size()), 1);
-    Eigen::Vector3f p_EMiddle = Eigen::Vector3f::Zero();
-    for (int i = 0; i < count; ++i)
-      p_EMiddle += p_ELamp[static_cast<std::size_t>(i)] / static_cast<float>(count);
     const Eigen::Vector3f direction_E = (R_EW * lamps.direction_W.normalized()).cast<float>();
     const double radiance = lamps.p_WLamp.empty() ? 0.0 : kExposure * lamps.brightness / count;
     const auto at = [&](const char* name) { return gl_->GetUniformLocation(program, name); };
     gl_->Uniform1i(at("pattern"), 0);
     gl_->Uniform3fv(at("p_ELamp"), count, p_ELamp[0].data());
-    gl_->Uniform3fv(at("p_EMiddle"), 1, p_EMiddle.data());
     gl_->Uniform3fv(at("direction_E"), 1, direction_E.data());
     gl_->Uniform1f(at("radiance"), static_cast<float>(radiance));
   }
@@ -277,8 +294,7 @@ class Renderer::Impl {
   void DrawWater(const CameraView& view, const Lamps& lamps,
                  const std::vector<const WaterSheet*>& sheets) {
     CopyFrame(view);
-    const GLuint program =
-        LampProgram(water_programs_, lamps.p_WLamp.size(), kWaterShader, kWaterVertexShader);
+    const GLuint program = LampProgram(water_programs_, lamps, kWaterVertexShader, kWaterShader);
     gl_->UseProgram(program);
     SetLamps(view, lamps, program);
     const auto at = [&](const char* name) { return gl_->GetUniformLocation(program, name); };
@@ -286,11 +302,10 @@ class Renderer::Impl {
     gl_->Uniform2f(at("frame_share"),
                    static_cast<float>(view.width_px) / static_cast<float>(options_.max_width_px),
                    static_cast<float>(view.height_px) / static_cast<float>(options_.max_height_px));
-    gl_->Uniform1f(at("reach"), static_cast<float>(kReach_m));
     for (const WaterSheet* sheet : sheets) {
-      gl_->Uniform1f(at("wall_radius"), static_cast<float>(sheet->wall_radius_m));
-      gl_->Uniform1f(at("bed_radius"), static_cast<float>(sheet->bed_radius_m));
-      gl_->Uniform1f(at("depth"), static_cast<float>(sheet->depth_m));
+      const Eigen::Vector3f bed =
+          Vector3d(sheet->wall_radius_m, sheet->bed_radius_m, sheet->depth_m).cast<float>();
+      gl_->Uniform3fv(at("bed"), 1, bed.data());
       DrawSheet(view, *sheet);
     }
   }
@@ -313,8 +328,7 @@ class Renderer::Impl {
   }
 
   /// Draws the chosen pieces with the bound program.
-  void Draw(const CameraView& view, GLuint program) {
-    gl_->Uniform1f(gl_->GetUniformLocation(program, "reach"), static_cast<float>(kReach_m));
+  void Draw(const CameraView& view) {
     SetCamera(view);
     const mjrRect viewport{0, 0, view.width_px, view.height_px};
     GLuint& framebuffer = framebuffers_[{view.width_px, view.height_px}];

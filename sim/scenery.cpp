@@ -319,7 +319,11 @@ std::string InlineMesh(const std::string& name, const VisualMesh& mesh) {
 }
 
 /// MuJoCo's own texture format.
-void AddTexture(VirtualFiles& files, const std::string& name, const cv::Mat& pattern) {
+/// Turned, so that its rows run round the wall: what a few pixels show then lies closer together in
+/// memory, and a picture takes two thirds of the time.
+void AddTexture(VirtualFiles& files, const std::string& name, const cv::Mat& along) {
+  cv::Mat pattern;
+  cv::transpose(along, pattern);
   const std::size_t bytes = pattern.total() * pattern.elemSize();
   files.Begin(name, 2 * sizeof(std::int32_t) + bytes);
   files.AppendInt(static_cast<std::size_t>(pattern.cols));

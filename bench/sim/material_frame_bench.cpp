@@ -43,8 +43,8 @@ void Frame(benchmark::State& state, network::Material material, network::WallCon
   view.X_WC = world.sewer->axes.front().PoseAt(chainage_m);
   view.X_WC.linear() *= R_PC;
   Lamps lamps;
-  for (const double x_m : {-0.04, 0.04}) {
-    for (const double y_m : {-0.03, 0.03})
+  for (const double x_m : {-0.015, 0.015}) {
+    for (const double y_m : {-0.016, 0.016})
       lamps.p_WLamp.push_back(view.X_WC * Eigen::Vector3d(x_m, y_m, 0.0));
   }
   lamps.direction_W = view.X_WC.linear().col(2);
