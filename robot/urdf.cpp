@@ -233,8 +233,28 @@ void CheckElement(const TiXmlElement& element, const ElementRule& rule, const st
   }
 }
 
+/// Where well-formed UTF-8 (Unicode, table 3-7, of which overlong forms and surrogates are left to
+/// TinyXML, which looks at lengths alone) ends, or the text does.
+std::size_t EndOfUtf8(std::string_view text) {
+  std::size_t at = 0;
+  while (at < text.size()) {
+    const auto lead = static_cast<unsigned char>(text[at]);
+    const std::size_t length = lead < 0x80                   ? 1
+                               : lead >= 0xC2 && lead < 0xE0 ? 2
+                               : lead >= 0xE0 && lead < 0xF0 ? 3
+                               : lead >= 0xF0 && lead < 0xF5 ? 4
+                                                             : 0;
+    if (length == 0 || at + length > text.size()) return at;
+    for (const char next : text.substr(at + 1, length - 1)) {
+      if ((static_cast<unsigned char>(next) & 0xC0) != 0x80) return at;
+    }
+    at += length;
+  }
+  return at;
+}
+
 /// A pass over the bare text, so that nothing hostile reaches TinyXML, which recurses once per
-/// nesting.
+/// nesting and believes the lead byte of a character, even beyond the end of the text.
 void CheckText(const SourceText& source) {
   const std::string_view text = source.text;
   const auto error = [&](std::size_t at, const std::string& problem) {
@@ -247,6 +267,9 @@ void CheckText(const SourceText& source) {
   });
   if (control != text.end()) {
     throw error(control - text.begin(), "holds a control character, so it is no XML text");
+  }
+  if (const std::size_t end = EndOfUtf8(text); end < text.size()) {
+    throw error(end, "is not UTF-8 here");
   }
   int depth = 0;
   for (std::size_t at = text.find('<'); at != std::string_view::npos; at = text.find('<', at)) {

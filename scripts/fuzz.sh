@@ -25,7 +25,7 @@ for target in "${targets[@]}"; do
     -artifact_prefix="build/fuzz/found/$target-" "$corpus" "$seeds" >"build/fuzz/log/$target" 2>&1; then
     sed -n 's/^Done \([0-9]*\) runs.*/fuzz:   \1 inputs, none broke it/p' "build/fuzz/log/$target"
   else
-    tail -n 40 "build/fuzz/log/$target"
+    grep -m 1 -A 20 'ERROR' "build/fuzz/log/$target" || tail -n 20 "build/fuzz/log/$target"
     broken+=("$target")
   fi
 done

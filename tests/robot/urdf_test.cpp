@@ -130,6 +130,8 @@ TEST(Urdf, RefusesTextThatIsNoXml) {
   ExpectRefused("<robot name", "<model name", "", "not valid XML", 12);
   ExpectRefused("<robot", "<!DOCTYPE x>\n<robot", "", "DOCTYPE", 1);
   ExpectRefused("slider", std::string(1, '\0'), "", "control character", 1);
+  ExpectRefused("slider", "\xD7", "", "not UTF-8", 1);                   // a character's first half
+  ExpectRefused("</robot>", "</robot>\n\xF0\x9F", "", "not UTF-8", 13);  // cut off by the end
   std::string deep;
   for (int i = 0; i < 100000; ++i) deep += "<link name=\"a\">";
   ExpectRefused("<link name=\"world\"/>", deep, "", "nested deeper", 2);
