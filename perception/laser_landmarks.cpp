@@ -24,8 +24,9 @@ constexpr double kSideReach_rad = 20.0 * pi / 180.0;
 constexpr double kBranchBelow_rad = 10.0 * pi / 180.0;
 constexpr double kBranchFloor_rad = 45.0 * pi / 180.0;
 constexpr double kSideStep_rad = 2.5 * pi / 180.0;
-/// Before the scanner's own far limit: three times its noise.
+/// Before the scanner's own far limit: three times its noise, and so many times the circle's.
 constexpr double kReachMargin_m = 0.001;
+constexpr double kDoubt = 3.0;
 
 double Range(const robot::LaserSample& sample) {
   switch (sample.status) {
@@ -55,9 +56,8 @@ std::optional<double> WindowMedian(const robot::LaserRevolution& revolution, dou
 /// What the beams of a window say.
 struct Votes {
   int open{}, known{}, all{};
-  [[nodiscard]] bool Agree(double share) const {
-    return 2 * known >= all && known > 0 && open >= share * known;
-  }
+  [[nodiscard]] bool Tell() const { return 2 * known >= all && known > 0; }
+  [[nodiscard]] bool Agree(double share) const { return Tell() && open >= share * known; }
 };
 
 Votes CountOpen(const robot::LaserRevolution& revolution, const PipeSlice& slice, double middle_rad,
@@ -68,7 +68,8 @@ Votes CountOpen(const robot::LaserRevolution& revolution, const PipeSlice& slice
     ++votes.all;
     const double wall_m = slice.RangeAt(sample.angle_rad);
     const bool far = sample.status == robot::RangeStatus::kTooFar;
-    if (far && wall_m > far_limit_m - kReachMargin_m) continue;
+    const double doubt_m = kReachMargin_m + kDoubt * slice.DeviationAt(sample.angle_rad);
+    if (far && wall_m > far_limit_m - doubt_m) continue;
     ++votes.known;
     votes.open += far || sample.range_m > wall_m + kOpening_m ? 1 : 0;
   }
@@ -77,11 +78,17 @@ Votes CountOpen(const robot::LaserRevolution& revolution, const PipeSlice& slice
 
 void ReadOpenings(const robot::LaserRevolution& revolution, const PipeSlice& wall,
                   const LaserParameters& parameters, LaserObservation& observation) {
-  const auto open = [&](double middle_rad, double half_width_rad, double share) {
-    return CountOpen(revolution, wall, middle_rad, half_width_rad, parameters.far_limit_m)
-        .Agree(share);
+  const auto count = [&](double middle_rad, double half_width_rad) {
+    return CountOpen(revolution, wall, middle_rad, half_width_rad, parameters.far_limit_m);
   };
-  observation.top_open = open(pi / 2, kTopHalfWidth_rad, kTopShare);
+  const auto open = [&](double middle_rad, double half_width_rad, double share) {
+    return count(middle_rad, half_width_rad).Agree(share);
+  };
+  const Votes top = count(pi / 2, kTopHalfWidth_rad);
+  observation.top_known = top.Tell();
+  observation.top_open = top.Agree(kTopShare);
+  observation.left_known = count(pi, parameters.window_rad / 2).Tell();
+  observation.right_known = count(0.0, parameters.window_rad / 2).Tell();
   const auto side = [&](double middle_rad, double down) {
     const double half_rad = parameters.window_rad / 2;
     if (observation.top_open) {
@@ -101,6 +108,8 @@ void ReadOpenings(const robot::LaserRevolution& revolution, const PipeSlice& wal
   };
   observation.left_open = side(pi, 1.0);
   observation.right_open = side(0.0, -1.0);
+  observation.left_known |= observation.left_open;
+  observation.right_known |= observation.right_open;
 }
 
 /// How long before the end of a turn the mirror looks through each window, on average: the right
@@ -154,9 +163,12 @@ LaserTracker::LaserTracker(int revolutions, robot::RunTime turn)
 std::vector<WindowEdge> LaserTracker::Update(const LaserObservation& observation) {
   const std::array<bool, 3> seen{observation.right_open, observation.top_open,
                                  observation.left_open};
+  const std::array<bool, 3> known{observation.right_known, observation.top_known,
+                                  observation.left_known};
   std::vector<WindowEdge> edges;
   for (std::size_t i = 0; i < windows_.size(); ++i) {
     Window& window = windows_[i];
+    if (!known[i]) continue;
     if (seen[i] == window.open) {
       window.run = 0;
       continue;

@@ -37,10 +37,11 @@ struct LaserParameters {
 /// the samples' order.
 ///
 /// kOurs decides afresh what is open, where the wall's circle is known: a beam is open if it goes
-/// on beyond the circle, and says nothing if the circle is out of reach there. So pipes of any size
-/// are read, off their axis too. A side is open if half of a window says so that is centred within
-/// 20° of it: the robot may be rolled, and an inlet not at 3 or 9 o'clock. The top is open if four
-/// fifths say so over the 110° that a manhole opens at least: an inlet at the crown opens less.
+/// on beyond the circle, and says nothing if the circle may be out of reach there. So pipes of any
+/// size are read, off their axis too; where most of a window says nothing, it is not known. A side
+/// is open if half of a window says so that is centred within 20° of it: the robot may be rolled,
+/// and an inlet not at 3 or 9 o'clock. The top is open if four fifths say so over the 110° that a
+/// manhole opens at least: an inlet at the crown opens less.
 /// @param wall  for kOurs
 /// @returns nothing if a window holds no sample: a revolution with a gap there says nothing about
 /// landmarks.
@@ -49,7 +50,7 @@ struct LaserParameters {
     const LaserParameters& parameters, const std::optional<PipeSlice>& wall = {});
 
 /// Tells a landmark from a stray beam: a window has opened or closed once `revolutions`
-/// observations in a row say so. Starts with all windows closed.
+/// observations in a row say so, those apart that could not tell. Starts with all windows closed.
 class LaserTracker {
  public:
   /// @param turn  of the mirror: edges are dated to the middle of the time in which they can have

@@ -1,25 +1,32 @@
 #include "perception/laser_passage.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "perception/laser_landmarks.hpp"
 
 namespace kantaro::perception {
 namespace {
 
-constexpr int kShortestBranch = 8;  ///< times it fits into a shaft
+constexpr double kShortestBranch = 0.2;  ///< of a shaft
+constexpr double kShortest_m = 0.05;     ///< half the narrowest inlet
 
 }  // namespace
 
-std::optional<PassedLandmark> LaserPassage::Update(const LaserObservation& observation) {
+std::optional<PassedLandmark> LaserPassage::Update(const LaserObservation& observation,
+                                                   double travelled_m) {
   for (const WindowEdge& edge : observation.edges) {
     Window& window = windows_[static_cast<std::size_t>(edge.window)];
     if (edge.open) {
-      if (!window.opened) window.from = edge.at;
-      window.since = edge.at;
+      if (!window.opened) {
+        window.from = edge.at;
+        window.from_m = travelled_m;
+      }
+      window.since_m = travelled_m;
     } else if (window.open) {
       window.to = edge.at;
-      window.time += edge.at - window.since;
+      window.to_m = travelled_m;
+      window.open_m += std::abs(travelled_m - window.since_m);
     }
     window.open = edge.open;
     window.opened = window.opened || edge.open;
@@ -30,14 +37,15 @@ std::optional<PassedLandmark> LaserPassage::Update(const LaserObservation& obser
 
   auto& [right, top, left] = windows_;
   for (Window* side : {&right, &left})
-    side->opened = side->opened && (!top.opened || kShortestBranch * side->time >= top.time);
+    side->opened = side->opened && (!top.opened || side->open_m >= kShortestBranch * top.open_m);
   PassedLandmark passed;
-  passed.kind = ClassifyWindows(top.opened, left.opened, right.opened, robot::Seconds(left.time),
-                                robot::Seconds(right.time));
+  passed.kind = ClassifyWindows(top.opened, left.opened, right.opened, left.open_m, right.open_m);
   const Window& place = top.opened ? top : passed.kind == LaserStatus::kInletLeft ? left : right;
   passed.opened_at = place.from;
   passed.closed_at = place.to;
+  const bool long_enough = std::abs(place.to_m - place.from_m) >= kShortest_m;
   windows_ = {};
+  if (!long_enough) return {};
   return passed;
 }
 

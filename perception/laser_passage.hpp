@@ -16,19 +16,24 @@ struct PassedLandmark {
 /// Puts the edges of the three windows together: one landmark from the opening of the wall until
 /// all of it is closed again, of the kind that Table 5.3 gives to all windows that opened between.
 /// It lies from the opening to the closing of the top, if that opened, else of the side. In a
-/// manhole a side that was open for less than an eighth of the top's time was the robot swaying: no
-/// pipe narrower than 100 mm runs into a shaft of 0.8 m.
+/// manhole a side that was open for less than a fifth of the top's way was the robot swaying: a
+/// branch of 200 mm, the narrowest to enter, opens 0.21 of the shaft of a 350 mm pipe. What is open
+/// for less than half the narrowest inlet is no landmark: where the wall is at the end of the
+/// scanner's reach, a joint's groove lies beyond it.
 class LaserPassage {
  public:
-  /// Takes the next observation, with its edges; a landmark when the last window has closed.
-  [[nodiscard]] std::optional<PassedLandmark> Update(const LaserObservation& observation);
+  /// Takes the next observation, with its edges, and how far the robot has travelled by then; a
+  /// landmark when the last window has closed.
+  [[nodiscard]] std::optional<PassedLandmark> Update(const LaserObservation& observation,
+                                                     double travelled_m);
 
  private:
   struct Window {
     bool open{}, opened{};
     robot::RunTime from{}, to{};  ///< first opening, last closing
-    robot::RunTime since{};       ///< of the opening that lasts
-    robot::RunTime time{};        ///< open in all
+    double from_m{}, to_m{};      ///< the same, as travel
+    double since_m{};             ///< of the opening that lasts
+    double open_m{};              ///< open in all
   };
   std::array<Window, 3> windows_{};  ///< by LaserWindow, of the landmark that is being passed
 };

@@ -34,6 +34,8 @@ struct WindowEdge {
 struct LaserObservation {
   robot::RunTime captured_at{};
   bool top_open{}, left_open{}, right_open{};
+  /// Whether this revolution could tell: else the window stays as it was.
+  bool top_known{true}, left_known{true}, right_known{true};
   double top_m{}, left_m{},
       right_m{};  ///< median range in each window; the far limit where nothing returned
   LaserStatus status{LaserStatus::kNoLandmark};

@@ -20,8 +20,11 @@ constexpr double kLeastWallShare = 0.25;
 constexpr double kShareToTakeOver = 0.8;
 /// Before the far limit: the scanner's noise and the circle's error are within it.
 constexpr double kReachMargin_m = 0.001;
-/// Following the wall, the circle's last place weighs as much as so many beams.
-constexpr double kInertia = 20.0;
+/// Of a circle that was fitted to a whole wall, of the robot's sway from one revolution to the next
+/// (in a tee it leans 20 mm within 2 s), and of a beam against the wall: noise, roughness, grooves.
+constexpr double kFitted_m = 0.0003;
+constexpr double kSway_m = 0.0006;
+constexpr double kBeam_m = 0.003;
 constexpr double kSameWall_m = 0.003;  ///< from one revolution to the next
 /// Radii of pipes with some allowance [m]: 150 to 700 mm across.
 constexpr double kLeastRadius_m = 0.070, kLargestRadius_m = 0.360;
@@ -75,6 +78,11 @@ double PipeSlice::RangeAt(double angle_rad) const {
          std::sqrt(std::max(0.0, radius_m * radius_m - middle.squaredNorm() + towards * towards));
 }
 
+double PipeSlice::DeviationAt(double angle_rad) const {
+  const Vector2d along(std::cos(angle_rad), std::sin(angle_rad));
+  return std::sqrt(along.dot(covariance_m2 * along));
+}
+
 std::optional<PipeSlice> FitPipeSlice(const robot::LaserRevolution& revolution,
                                       double far_limit_m) {
   std::vector<Vector2d> points, lower;
@@ -97,7 +105,8 @@ std::optional<PipeSlice> FitPipeSlice(const robot::LaserRevolution& revolution,
   if (circle->center_m.norm() >= circle->radius_m) return std::nullopt;
   if (static_cast<double>(wall) < kLeastWallShare * static_cast<double>(revolution.samples.size()))
     return std::nullopt;
-  PipeSlice slice{circle->center_m.x(), circle->center_m.y(), circle->radius_m, 0.0};
+  PipeSlice slice{circle->center_m.x(), circle->center_m.y(), circle->radius_m, 0.0,
+                  kFitted_m * kFitted_m * Eigen::Matrix2d::Identity()};
   const auto in_reach =
       std::ranges::count_if(revolution.samples, [&](const robot::LaserSample& sample) {
         return slice.RangeAt(sample.angle_rad) < far_limit_m - kReachMargin_m;
@@ -127,9 +136,9 @@ const std::optional<PipeSlice>& PipeSliceTracker::Update(const robot::LaserRevol
 }
 
 void PipeSliceTracker::Follow(const robot::LaserRevolution& revolution) {
-  // One step of Gauss and Newton for the middle alone: each beam on the wall pulls along its
-  // normal.
-  Eigen::Matrix2d normal = kInertia * Eigen::Matrix2d::Identity();
+  // In the filter's information form: each beam on the wall pulls along its normal.
+  held_->covariance_m2 += kSway_m * kSway_m * Eigen::Matrix2d::Identity();
+  Eigen::Matrix2d information = held_->covariance_m2.inverse();
   Vector2d pull = Vector2d::Zero();
   const Vector2d middle(held_->right_m, held_->up_m);
   for (const robot::LaserSample& sample : revolution.samples) {
@@ -139,10 +148,11 @@ void PipeSliceTracker::Follow(const robot::LaserRevolution& revolution) {
     const double off_m = from_middle.norm() - held_->radius_m;
     if (std::abs(off_m) > kBands_m.back()) continue;
     const Vector2d outward = from_middle.normalized();
-    normal += outward * outward.transpose();
-    pull += off_m * outward;
+    information += outward * outward.transpose() / (kBeam_m * kBeam_m);
+    pull += off_m * outward / (kBeam_m * kBeam_m);
   }
-  const Vector2d step = normal.ldlt().solve(pull);
+  held_->covariance_m2 = information.inverse();
+  const Vector2d step = held_->covariance_m2 * pull;
   held_->right_m += step.x();
   held_->up_m += step.y();
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 
 #include "robot/readings.hpp"
@@ -13,9 +14,13 @@ struct PipeSlice {
   double up_m{};     ///< and upwards
   double radius_m{};
   double wall_share{};  ///< of the beams that can reach it, those that lie on it: 0 to 1
+  /// Of (right_m, up_m).
+  Eigen::Matrix2d covariance_m2{Eigen::Matrix2d::Zero()};
 
   /// What a beam in this direction travels to the circle.
   [[nodiscard]] double RangeAt(double angle_rad) const;
+  /// How sure that is: a standard deviation [m].
+  [[nodiscard]] double DeviationAt(double angle_rad) const;
 };
 
 /// Fits the circle to what is wall and leaves out what is not: an opening, a ridge, a shaft's
@@ -32,8 +37,9 @@ struct PipeSlice {
 /// The wall from one revolution to the next. In a landmark a channel's flank or a branch's floor
 /// bends a fit away, little by little. So a fit is taken over only where four fifths of the wall in
 /// reach lie on it, and it agrees with the last one or such fits have agreed with each other for a
-/// while: the pipe has become another. Elsewhere the circle keeps its size and follows what is left
-/// of the wall below the axis, as the robot sways.
+/// while: the pipe has become another. Elsewhere the circle keeps its size, and a Kalman filter of
+/// its middle, a random walk as the robot sways, follows what is left of the wall below the axis:
+/// where that is one side only, it knows that it loses the other.
 class PipeSliceTracker {
  public:
   /// @param settled  revolutions in a row that make another pipe

@@ -314,19 +314,25 @@ std::vector<LaserPassOutcome> DriveLaserPass(const robot::Description& descripti
   struct Listener {
     perception::Perception perception;
     perception::LaserPassage passage;
+    double travelled_m{};
   };
   std::vector<Listener> listeners;
   for (const perception::Parameters& parameters : methods)
-    listeners.push_back({perception::Perception(description, parameters), {}});
+    listeners.push_back({perception::Perception(description, parameters), {}, 0.0});
   std::vector<LaserPassOutcome> outcomes(methods.size());
   const LandmarkDrive drive =
       DrivePast(description, course, pass.conditions, [&](const robot::Reading& reading) {
-        if (!std::holds_alternative<robot::LaserRevolution>(reading.value)) return;
+        if (!std::holds_alternative<robot::LaserRevolution>(reading.value) &&
+            !std::holds_alternative<robot::WheelEncoders>(reading.value))
+          return;
         for (std::size_t m = 0; m < listeners.size(); ++m) {
           for (const perception::Observation& seen : listeners[m].perception.Process(reading)) {
+            Listener& listener = listeners[m];
+            if (const auto* odometry = std::get_if<perception::OdometryObservation>(&seen))
+              listener.travelled_m = odometry->travel_m;
             const auto* laser = std::get_if<perception::LaserObservation>(&seen);
             if (laser == nullptr) continue;
-            if (const auto passed = listeners[m].passage.Update(*laser))
+            if (const auto passed = listener.passage.Update(*laser, listener.travelled_m))
               outcomes[m].passed.push_back(*passed);
           }
         }

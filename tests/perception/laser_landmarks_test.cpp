@@ -230,6 +230,29 @@ LaserObservation At(int ms, bool top, bool left = false) {
   return observation;
 }
 
+// The circle's middle is known to 2 mm only, and the wall 5 mm before the scanner's reach.
+TEST(OurLaserLandmarks, DoNotKnowWhereTheWallMayBeOutOfReach) {
+  LaserParameters parameters;
+  parameters.method = LaserMethod::kOurs;
+  const robot::LaserRevolution open_left = Scan({.pipe_radius_m = 0.175, .left = true});
+  PipeSlice wall{-0.010, 0.0, 0.175, 1.0};
+  EXPECT_TRUE(ReadWindows(open_left, {}, parameters, wall)->left_open);
+  wall.covariance_m2(0, 0) = 0.002 * 0.002;
+  const auto unsure = ReadWindows(open_left, {}, parameters, wall);
+  EXPECT_FALSE(unsure->left_known);
+  EXPECT_TRUE(unsure->right_known);
+  EXPECT_FALSE(unsure->right_open);
+}
+
+TEST(LaserTracker, KeepsAWindowThatIsNotKnown) {
+  LaserTracker tracker(1);
+  EXPECT_EQ(tracker.Update(At(0, true)).size(), 1U);
+  LaserObservation unknown = At(33, false);
+  unknown.top_known = false;
+  EXPECT_TRUE(tracker.Update(unknown).empty());
+  EXPECT_TRUE(tracker.IsOpen(LaserWindow::kTop));
+}
+
 TEST(LaserTracker, ReportsTheFirstRevolutionOfTheRunThatOpenedAWindow) {
   LaserTracker tracker(3);
   EXPECT_TRUE(tracker.Update(At(0, false)).empty());

@@ -13,63 +13,79 @@ LaserObservation Edges(std::vector<WindowEdge> edges) {
   return observation;
 }
 
+/// Travel at the thesis' 15 cm/s.
+double At(int ms) { return 0.15 * ms / 1000.0; }
+
 WindowEdge Opens(LaserWindow window, int ms) { return {window, true, milliseconds(ms)}; }
 WindowEdge Closes(LaserWindow window, int ms) { return {window, false, milliseconds(ms)}; }
 
 TEST(LaserPassage, TellsAnInletWhenItsWindowHasClosed) {
   LaserPassage passage;
-  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kLeft, 100)})));
-  EXPECT_FALSE(passage.Update(Edges({})));
-  const auto passed = passage.Update(Edges({Closes(LaserWindow::kLeft, 700)}));
+  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kLeft, 100)}), At(100)));
+  EXPECT_FALSE(passage.Update(Edges({}), At(0)));
+  const auto passed = passage.Update(Edges({Closes(LaserWindow::kLeft, 700)}), At(700));
   ASSERT_TRUE(passed);
   EXPECT_EQ(passed->kind, LaserStatus::kInletLeft);
   EXPECT_EQ(passed->opened_at, milliseconds(100));
   EXPECT_EQ(passed->closed_at, milliseconds(700));
-  EXPECT_FALSE(passage.Update(Edges({})));
+  EXPECT_FALSE(passage.Update(Edges({}), At(0)));
 }
 
 // The branch opens and closes within the manhole: one landmark, where the top was open.
 TEST(LaserPassage, TakesABranchWithinAManholeAsOneLandmark) {
   LaserPassage passage;
-  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kTop, 0)})));
-  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kRight, 1500)})));
-  EXPECT_FALSE(passage.Update(Edges({Closes(LaserWindow::kRight, 3000)})));
-  const auto passed = passage.Update(Edges({Closes(LaserWindow::kTop, 5000)}));
+  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kTop, 0)}), At(0)));
+  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kRight, 1500)}), At(1500)));
+  EXPECT_FALSE(passage.Update(Edges({Closes(LaserWindow::kRight, 3000)}), At(3000)));
+  const auto passed = passage.Update(Edges({Closes(LaserWindow::kTop, 5000)}), At(5000));
   ASSERT_TRUE(passed);
   EXPECT_EQ(passed->kind, LaserStatus::kManholeWithJunction);
   EXPECT_EQ(passed->opened_at, milliseconds(0));
   EXPECT_EQ(passed->closed_at, milliseconds(5000));
 }
 
-// 0.5 s of 5 s at 15 cm/s: 75 mm.
+// 75 mm of 750: a pipe of 200 mm would open 0.21.
 TEST(LaserPassage, TakesNoSwayForABranch) {
   LaserPassage passage;
-  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kTop, 0)})));
-  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kLeft, 1000)})));
-  EXPECT_FALSE(passage.Update(Edges({Closes(LaserWindow::kLeft, 1500)})));
-  EXPECT_EQ(passage.Update(Edges({Closes(LaserWindow::kTop, 5000)}))->kind, LaserStatus::kManhole);
+  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kTop, 0)}), At(0)));
+  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kLeft, 1000)}), At(1000)));
+  EXPECT_FALSE(passage.Update(Edges({Closes(LaserWindow::kLeft, 1500)}), At(1500)));
+  EXPECT_EQ(passage.Update(Edges({Closes(LaserWindow::kTop, 5000)}), At(5000))->kind,
+            LaserStatus::kManhole);
 }
 
 TEST(LaserPassage, ForgetsTheLastLandmark) {
   LaserPassage passage;
-  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kLeft, 0), Opens(LaserWindow::kTop, 0)})));
-  EXPECT_TRUE(passage.Update(Edges({Closes(LaserWindow::kTop, 1), Closes(LaserWindow::kLeft, 1)})));
-  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kTop, 10)})));
-  EXPECT_EQ(passage.Update(Edges({Closes(LaserWindow::kTop, 20)}))->kind, LaserStatus::kManhole);
+  EXPECT_FALSE(
+      passage.Update(Edges({Opens(LaserWindow::kLeft, 0), Opens(LaserWindow::kTop, 0)}), At(0)));
+  EXPECT_TRUE(passage.Update(
+      Edges({Closes(LaserWindow::kTop, 1000), Closes(LaserWindow::kLeft, 1000)}), At(1000)));
+  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kTop, 10000)}), At(10000)));
+  EXPECT_EQ(passage.Update(Edges({Closes(LaserWindow::kTop, 20000)}), At(20000))->kind,
+            LaserStatus::kManhole);
 }
 
 // A window that flickers is one opening, from its first edge to its last.
 TEST(LaserPassage, JoinsAnOpeningThatFlickersUnderAnotherWindow) {
   LaserPassage passage;
-  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kTop, 0)})));
-  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kLeft, 10)})));
-  EXPECT_FALSE(passage.Update(Edges({Closes(LaserWindow::kTop, 20)})));
-  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kTop, 30)})));
-  EXPECT_FALSE(passage.Update(Edges({Closes(LaserWindow::kLeft, 40)})));
-  const auto passed = passage.Update(Edges({Closes(LaserWindow::kTop, 50)}));
+  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kTop, 0)}), At(0)));
+  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kLeft, 1000)}), At(1000)));
+  EXPECT_FALSE(passage.Update(Edges({Closes(LaserWindow::kTop, 2000)}), At(2000)));
+  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kTop, 3000)}), At(3000)));
+  EXPECT_FALSE(passage.Update(Edges({Closes(LaserWindow::kLeft, 4000)}), At(4000)));
+  const auto passed = passage.Update(Edges({Closes(LaserWindow::kTop, 5000)}), At(5000));
   ASSERT_TRUE(passed);
   EXPECT_EQ(passed->opened_at, milliseconds(0));
-  EXPECT_EQ(passed->closed_at, milliseconds(50));
+  EXPECT_EQ(passed->closed_at, milliseconds(5000));
+}
+
+// 15 mm at a joint; 60 mm of an inlet.
+TEST(LaserPassage, TakesNoJointForAnInlet) {
+  LaserPassage passage;
+  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kLeft, 0)}), At(0)));
+  EXPECT_FALSE(passage.Update(Edges({Closes(LaserWindow::kLeft, 100)}), At(100)));
+  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kLeft, 1000)}), At(1000)));
+  EXPECT_TRUE(passage.Update(Edges({Closes(LaserWindow::kLeft, 1400)}), At(1400)));
 }
 
 }  // namespace

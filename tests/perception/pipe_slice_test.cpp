@@ -110,6 +110,18 @@ TEST(PipeSliceTracker, FollowsTheRobotSwayingInABranch) {
   EXPECT_NEAR(held->radius_m, 0.150, 1e-6);
 }
 
+// Only the invert is left, 20° to either side of it: up and down is seen, left and right is not.
+TEST(PipeSliceTracker, KnowsWhichWayItNoLongerSees) {
+  PipeSliceTracker tracker(30);
+  EXPECT_NEAR(Held(tracker, 0.150), 0.150, 1e-6);
+  for (int i = 0; i < 30; ++i)
+    (void)tracker.Update(Scan([](double a) { return Above(a, -70) ? 1.0 : 0.150; }));
+  const auto& held = tracker.Update({});
+  ASSERT_TRUE(held);
+  EXPECT_LT(held->DeviationAt(-pi / 2), 0.001);
+  EXPECT_GT(held->DeviationAt(0.0), 1.5 * held->DeviationAt(-pi / 2));
+}
+
 TEST(PipeSliceTracker, FollowsSmallStepsAtOnceAndAnotherPipeAfterAWhile) {
   PipeSliceTracker tracker(3);
   EXPECT_NEAR(Held(tracker, 0.150), 0.150, 1e-6);
