@@ -1,6 +1,7 @@
 // The command line: argument parsing and nothing else.
 
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -342,6 +343,10 @@ int Complain(const std::string& what, int code) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // A world's megabytes go back to the system when it is done with. Left alone, glibc takes such
+  // blocks from its heap after the first, and many worlds, one after the other, tear that to
+  // pieces.
+  mallopt(M_MMAP_THRESHOLD, 1 << 20);
   CLI::App app("KANTARO Twin: rehearse the missions of a sewer inspection robot.", "kantaro");
   Words words;
   Declare(app, words);
