@@ -170,6 +170,9 @@ int Dispatch(const CLI::App& app, const Words& words) {
     request.jobs = ParseJobs(words.jobs);
     request.to = words.to.empty() ? request.robot_folder / "landmarks.yaml"
                                   : std::filesystem::path(words.to);
+    request.thesis_only = !words.only.empty();
+    if (request.thesis_only && words.only != std::vector<std::string>{"thesis"})
+      throw InputError("--only", {}, "", "\"thesis\" is all that can be learnt by itself");
     request.json = words.json;
     return scenarios::Calibrate(request, std::cout);
   }
@@ -289,6 +292,7 @@ void Declare(CLI::App& app, Words& words) {
   calibrate->add_option("--views", words.count, "training views of each set and camera");
   calibrate->add_option("--jobs", words.jobs, "threads (default: one for each core)");
   calibrate->add_option("--robot", words.robot, "the robot's folder (default models/kantaro)");
+  calibrate->add_option("--only", words.only, "thesis: keep what the method ours has learnt");
   calibrate->add_option("--to", words.to, "the .yaml to write (default landmarks.yaml there)");
 
   CLI::App* experiment =
@@ -305,8 +309,9 @@ void Declare(CLI::App& app, Words& words) {
       ->allow_extra_args(false);
   experiment->add_option("--jobs", words.jobs, "threads (default: one for each core)");
   experiment->add_option("--robot", words.robot, "the robot's folder (default models/kantaro)");
-  experiment->add_option("--photos", words.photos,
-                         "realism: folder of photographs (default sewer_images in KANTARO_DATA)");
+  experiment->add_option(
+      "--photos", words.photos,
+      "realism, ring-photographs: folder of photographs (default sewer_images in KANTARO_DATA)");
   experiment->add_option("--scans", words.scans,
                          "realism: folder of scans (default pipe_scans in KANTARO_DATA)");
   experiment->add_option("--out", words.out, "folder for NAME.json (default runs/experiments)");

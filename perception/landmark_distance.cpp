@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <stdexcept>
 
 #include "perception/brightness.hpp"
 #include "perception/our_landmarks.hpp"
-#include "perception/stereo/stereo.hpp"
 #include "perception/thesis_landmarks.hpp"
 #include "robot/rectifier.hpp"
 
@@ -89,7 +89,9 @@ class ThesisMono : public CheckedDistance {
     const HoughCircle circle = ThesisCircle(look.image, camera(), parameters_, kind_, sizes_);
     if (circle.votes == 0) return {};
     const double radius_px = circle.radius_px * RadiusScale(kind_, sizes_);
-    return {Status::kFound, parameters_.calibration.Of(kind_).radius.DistanceAt(radius_px)};
+    return {Status::kFound,
+            std::clamp(parameters_.calibration.Of(kind_).radius.DistanceAt(radius_px),
+                       parameters_.near_m, parameters_.far_m)};
   }
 
   LandmarkParameters parameters_;
@@ -105,36 +107,19 @@ class ThesisStereo : public CheckedDistance {
       : CheckedDistance(description.stereo_left, true),
         parameters_(parameters),
         kind_(kind),
-        baseline_m_(robot::StereoBaseline_m(description)) {
-    const double px_m = camera().focal_px * baseline_m_;
-    lc_.method = stereo::Method::kLc;
-    lc_.min_disparity_px = static_cast<int>(px_m / parameters.far_m);
-    lc_.disparities = static_cast<int>(px_m / parameters.near_m) - lc_.min_disparity_px + 1;
-  }
+        baseline_m_(robot::StereoBaseline_m(description)) {}
 
  private:
   LandmarkAnswer See(const LandmarkLook& look) override {
-    const EdgeCounts counts = CountEdges(look.image, parameters_, kind_);
-    const cv::Mat disparity = stereo::Match(look.image, look.right, lc_).disparity_px;
-    std::vector<double> distances_m;
-    for (int y = 0; y < disparity.rows; ++y) {
-      for (int x = 0; x < disparity.cols; ++x) {
-        const float d = disparity.at<float>(y, x);
-        if (counts.edges.at<std::uint8_t>(y, x) == 0 || !(d > 0.0F)) continue;
-        distances_m.push_back(camera().focal_px * baseline_m_ / d);
-      }
-    }
-    if (distances_m.empty()) return {};
-    const ClassCalibration& calibration = parameters_.calibration.Of(kind_);
-    return {Status::kFound,
-            RefineDistances(distances_m, calibration.shorter.DistanceAt(counts.shorter),
-                            calibration.longer.DistanceAt(counts.longer))};
+    const StereoSight sight =
+        SeeByStereo(look.image, look.right, camera().focal_px * baseline_m_, parameters_, kind_);
+    if (sight.distances_m.empty()) return {};
+    return {Status::kFound, RefineDistances(sight.distances_m, sight.tau1_m, sight.tau2_m)};
   }
 
   LandmarkParameters parameters_;
   LandmarkKind kind_;
   double baseline_m_;
-  stereo::Parameters lc_;
 };
 
 LandmarkAnswer Calibrated(const RangedLandmark& ranged, const ErrorFit& fit) {

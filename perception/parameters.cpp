@@ -148,8 +148,8 @@ stereo::Parameters ReadStereo(const YamlNode& node) {
 LandmarkParameters ReadLandmarks(const YamlNode& node) {
   static constexpr std::array<std::pair<const char*, LandmarkMethod>, 2> kMethods{
       {{"thesis", LandmarkMethod::kThesis}, {"ours", LandmarkMethod::kOurs}}};
-  node.AllowOnly({"mono_method", "stereo_method", "near_mm", "far_mm", "canny_low", "canny_high",
-                  "shorter_high", "longer_high"});
+  node.AllowOnly({"mono_method", "stereo_method", "near_mm", "far_mm", "circle_low", "circle_high",
+                  "canny_low", "canny_high", "shorter_high", "longer_high"});
   LandmarkParameters p;
   p.mono = ReadName<LandmarkMethod>(node["mono_method"], kMethods, "a landmark method");
   p.stereo = ReadName<LandmarkMethod>(node["stereo_method"], kMethods, "a landmark method");
@@ -157,6 +157,8 @@ LandmarkParameters ReadLandmarks(const YamlNode& node) {
   const auto threshold = [&](const char* key) {
     return static_cast<int>(node[key].Integer(1, 10000));
   };
+  p.circle_low = threshold("circle_low");
+  p.circle_high = threshold("circle_high");
   p.canny_low = threshold("canny_low");
   p.canny_high = threshold("canny_high");
   p.shorter_high = threshold("shorter_high");

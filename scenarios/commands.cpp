@@ -143,6 +143,18 @@ std::string DescriptionOf(const network::Network& network, bool json) {
   return text.ends_with('\n') ? text : text + '\n';
 }
 
+perception::LandmarkCalibration Learn(const CalibrateRequest& request,
+                                      const CalibrationOptions& options) {
+  const robot::Description robot = robot::ReadDescription(request.robot_folder);
+  const auto parameters =
+      perception::ReadParameters(request.robot_folder / "perception.yaml").landmarks;
+  if (!request.thesis_only) return CalibrateLandmarks(robot, parameters, options);
+  auto calibration = perception::ReadLandmarkCalibration(request.robot_folder / "landmarks.yaml");
+  for (const ViewCameras cameras : {ViewCameras::kFront, ViewCameras::kStereo})
+    CalibrateThesis(robot, parameters, ViewSet::kReproduction, cameras, options, calibration);
+  return calibration;
+}
+
 }  // namespace
 
 int Run(const RunRequest& request, std::ostream& out) {
@@ -252,14 +264,13 @@ int Calibrate(const CalibrateRequest& request, std::ostream& out) {
   options.progress = [&](std::size_t done, std::size_t all) {
     progress.Show(fmt::format("calibrate: {} of {} views", done, all));
   };
-  const auto calibration = CalibrateLandmarks(
-      robot::ReadDescription(request.robot_folder),
-      perception::ReadParameters(request.robot_folder / "perception.yaml").landmarks, options);
+  const perception::LandmarkCalibration calibration = Learn(request, options);
   WriteFileAtomically(
       request.to,
       perception::ToYaml(calibration, fmt::format("Written by kantaro calibrate --seed {} "
-                                                  "--views {} from training views of the twin.",
-                                                  options.seed, options.views)));
+                                                  "--views {}{} from training views of the twin.",
+                                                  options.seed, options.views,
+                                                  request.thesis_only ? " --only thesis" : "")));
   if (request.json) {
     out << Json{{"file", request.to.string()}, {"seed", options.seed}, {"views", options.views}}
                .dump(2)

@@ -91,6 +91,7 @@ struct CalibrateRequest {
   std::size_t views{};  ///< of each set of training views and camera; 0: the usual
   unsigned jobs{1};
   std::filesystem::path to;  ///< a .yaml
+  bool thesis_only{};        ///< what `ours` needs stays as the robot's folder has it
   bool json{};
 };
 /// Learns from training views of the twin what the landmark methods need, and writes it.

@@ -19,6 +19,7 @@ using perception::LandmarkClass;
 using perception::LandmarkMethod;
 
 constexpr double kStretch_m = 0.1;
+constexpr double kLeastFall_px = 0.5;
 constexpr std::size_t kFewestOfStretch = 2, kFewestErrors = 20;
 /// A circle that differs by more from where geometry puts it is not the landmark's: whoever
 /// measures in the field sees that.
@@ -28,6 +29,21 @@ double Quantile(std::vector<double> values, double share) {
   const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
   std::nth_element(values.begin(), values.begin() + at, values.end());
   return values[static_cast<std::size_t>(at)];
+}
+
+struct WeighedSample {
+  Sample mean;
+  double views{};
+};
+
+void PoolLastTwo(std::vector<WeighedSample>& entries) {
+  const auto [last, more] = entries.back();
+  entries.pop_back();
+  auto& [mean, views] = entries.back();
+  const double all = views + more;
+  mean = {(views * mean.distance_m + more * last.distance_m) / all,
+          (views * mean.x + more * last.x) / all};
+  views = all;
 }
 
 /// What one training view tells.
@@ -95,27 +111,79 @@ perception::RadiusTable TableOrGeometry(const std::vector<Sample>& samples, Land
   }
 }
 
+ViewRequest TrainingRequest(ViewSet set, ViewCameras cameras, const CalibrationOptions& options) {
+  ViewRequest request{ViewPurpose::kTraining, set, cameras, {}, options.seed, options.jobs};
+  const auto once = SpreadKinds(1, 1, 1);
+  for (std::size_t i = 0; i < options.views; ++i) {
+    request.kinds.push_back(i % 6 == 5 ? perception::LandmarkKind::kInletRight
+                                       : once[i % once.size()]);
+  }
+  return request;
+}
+
+Lesson ThesisLesson(const LandmarkView& view, ViewCameras cameras,
+                    const robot::Description& description,
+                    const perception::LandmarkParameters& parameters) {
+  Lesson lesson;
+  lesson.landmark = perception::ClassOf(view.plan.kind);
+  lesson.distance_m = view.plan.distance_m;
+  if (cameras == ViewCameras::kFront) {
+    lesson.radius_px = RadiusOf(view, description.front_camera, parameters);
+  } else {
+    const auto counts =
+        perception::CountEdges(view.pictures.back().image, parameters, view.plan.kind);
+    lesson.shorter_edges = counts.shorter;
+    lesson.longer_edges = counts.longer;
+  }
+  return lesson;
+}
+
+/// What lessons with these cameras say to the thesis' method.
+void FitThesis(const std::vector<Lesson>& lessons, ViewCameras cameras,
+               const robot::Description& description,
+               perception::LandmarkCalibration& calibration) {
+  for (const LandmarkClass landmark : perception::kLandmarkClasses) {
+    auto& learnt = calibration.classes[static_cast<std::size_t>(landmark)];
+    const auto of = [&](const std::function<std::optional<double>(const Lesson&)>& x) {
+      return SamplesOf(lessons, landmark, x);
+    };
+    if (cameras == ViewCameras::kFront) {
+      learnt.radius = TableOrGeometry(of([](const Lesson& lesson) { return lesson.radius_px; }),
+                                      landmark, description.front_camera.focal_px);
+    } else {
+      learnt.shorter = FitEdges(of([](const Lesson& lesson) { return lesson.shorter_edges; }));
+      learnt.longer = FitEdges(of([](const Lesson& lesson) { return lesson.longer_edges; }));
+    }
+  }
+}
+
 }  // namespace
 
 perception::RadiusTable FitRadiusTable(const std::vector<Sample>& samples) {
   std::map<int, std::vector<Sample>> stretches;
   for (const Sample& sample : samples)
     stretches[static_cast<int>(sample.distance_m / kStretch_m)].push_back(sample);
-  perception::RadiusTable table;
+  std::vector<WeighedSample> entries;
   for (const auto& [number, stretch] : stretches) {
     if (stretch.size() < kFewestOfStretch) continue;
-    std::vector<double> distances_m, radii_px;
+    // Within a stretch radii fall as distances rise: their products are what is alike.
+    std::vector<double> distances_m, products;
     for (const Sample& sample : stretch) {
       distances_m.push_back(sample.distance_m);
-      radii_px.push_back(sample.x);
+      products.push_back(sample.distance_m * sample.x);
     }
-    const double distance_m = Quantile(distances_m, 0.5), radius_px = Quantile(radii_px, 0.5);
-    if (!table.distance_radius.empty() && radius_px >= table.distance_radius.back().second - 0.5)
-      continue;
-    table.distance_radius.emplace_back(distance_m, radius_px);
+    const double distance_m = Quantile(distances_m, 0.5);
+    entries.push_back(
+        {{distance_m, Quantile(products, 0.5) / distance_m}, static_cast<double>(stretch.size())});
+    while (entries.size() > 1 &&
+           entries.back().mean.x >= entries[entries.size() - 2].mean.x - kLeastFall_px)
+      PoolLastTwo(entries);
   }
-  if (table.distance_radius.size() < 2)
+  if (entries.size() < 2)
     throw std::invalid_argument("too few training views for a radius-distance table");
+  perception::RadiusTable table;
+  for (const auto& [mean, views] : entries)
+    table.distance_radius.emplace_back(mean.distance_m, mean.x);
   return table;
 }
 
@@ -162,29 +230,13 @@ perception::LandmarkCalibration CalibrateLandmarks(const robot::Description& des
     const bool front = cameras == ViewCameras::kFront;
     std::vector<Lesson> thesis(options.views), ours(2 * options.views);
     for (const ViewSet set : {ViewSet::kReproduction, ViewSet::kStress}) {
-      ViewRequest request{ViewPurpose::kTraining, set, cameras, {}, options.seed, options.jobs};
-      const auto once = SpreadKinds(1, 1, 1);
-      for (std::size_t i = 0; i < options.views; ++i) {
-        request.kinds.push_back(i % 6 == 5 ? perception::LandmarkKind::kInletRight
-                                           : once[i % once.size()]);
-      }
-      ForEachView(description, request, [&](LandmarkView&& view) {
-        Lesson lesson;
+      ForEachView(description, TrainingRequest(set, cameras, options), [&](LandmarkView&& view) {
+        const bool stress = set == ViewSet::kStress;
+        if (!stress) thesis[view.number] = ThesisLesson(view, cameras, description, parameters);
+        Lesson& lesson = ours[view.number + (stress ? options.views : 0)];
         lesson.landmark = perception::ClassOf(view.plan.kind);
-        lesson.distance_m = view.plan.distance_m;
-        if (set == ViewSet::kReproduction && front) {
-          lesson.radius_px = RadiusOf(view, description.front_camera, parameters);
-        } else if (set == ViewSet::kReproduction) {
-          const auto counts =
-              perception::CountEdges(view.pictures.back().image, parameters, view.plan.kind);
-          lesson.shorter_edges = counts.shorter;
-          lesson.longer_edges = counts.longer;
-        }
         const auto make = front ? perception::MakeMonoDistance : perception::MakeStereoDistance;
         lesson.stated = Ask(*make(description, parameters, view.plan.kind, view.sizes), view);
-        const bool stress = set == ViewSet::kStress;
-        if (!stress) thesis[view.number] = lesson;
-        ours[view.number + (stress ? options.views : 0)] = lesson;
         const std::lock_guard lock(mutex);
         options.progress(++done, 4 * options.views);
       });
@@ -192,19 +244,23 @@ perception::LandmarkCalibration CalibrateLandmarks(const robot::Description& des
     for (const LandmarkClass landmark : perception::kLandmarkClasses) {
       auto& learnt = calibration.classes[static_cast<std::size_t>(landmark)];
       (front ? learnt.mono : learnt.stereo) = FitErrors(ErrorsOf(ours, landmark));
-      if (front) {
-        learnt.radius = TableOrGeometry(
-            SamplesOf(thesis, landmark, [](const Lesson& lesson) { return lesson.radius_px; }),
-            landmark, description.front_camera.focal_px);
-      } else {
-        learnt.shorter = FitEdges(
-            SamplesOf(thesis, landmark, [](const Lesson& lesson) { return lesson.shorter_edges; }));
-        learnt.longer = FitEdges(
-            SamplesOf(thesis, landmark, [](const Lesson& lesson) { return lesson.longer_edges; }));
-      }
     }
+    FitThesis(thesis, cameras, description, calibration);
   }
   return calibration;
+}
+
+void CalibrateThesis(const robot::Description& description,
+                     const perception::LandmarkParameters& parameters, ViewSet set,
+                     ViewCameras cameras, const CalibrationOptions& options,
+                     perception::LandmarkCalibration& calibration) {
+  ViewRequest request = TrainingRequest(set, cameras, options);
+  request.pictures = 1;
+  std::vector<Lesson> lessons(options.views);
+  ForEachView(description, request, [&](LandmarkView&& view) {
+    lessons[view.number] = ThesisLesson(view, cameras, description, parameters);
+  });
+  FitThesis(lessons, cameras, description, calibration);
 }
 
 }  // namespace kantaro::scenarios

@@ -6,6 +6,7 @@
 
 #include "perception/landmark_parameters.hpp"
 #include "robot/description.hpp"
+#include "scenarios/experiments/landmark_views.hpp"
 
 namespace kantaro::scenarios {
 
@@ -26,12 +27,18 @@ struct CalibrationOptions {
     const robot::Description& description, perception::LandmarkParameters parameters,
     const CalibrationOptions& options);
 
+/// The thesis' part alone, for one camera or the pair, from training views of one set.
+void CalibrateThesis(const robot::Description& description,
+                     const perception::LandmarkParameters& parameters, ViewSet set,
+                     ViewCameras cameras, const CalibrationOptions& options,
+                     perception::LandmarkCalibration& calibration);
+
 /// A measurement in a training view: x (a radius, a count of edges) at a known distance.
 struct Sample {
   double distance_m{}, x{};
 };
 
-/// Medians of stretches of 0.1 m, as far as radii fall with distance.
+/// Medians of stretches of 0.1 m; neighbours whose radii do not fall with distance are pooled.
 /// @throws std::invalid_argument if fewer than two stretches are left.
 [[nodiscard]] perception::RadiusTable FitRadiusTable(const std::vector<Sample>& samples);
 /// Least squares of distance over the count. @throws std::invalid_argument for equal counts alone

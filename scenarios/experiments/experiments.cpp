@@ -17,6 +17,7 @@
 #include "scenarios/experiments/localisation.hpp"
 #include "scenarios/experiments/locomotion.hpp"
 #include "scenarios/experiments/realism.hpp"
+#include "scenarios/experiments/ring_photographs.hpp"
 #include "scenarios/experiments/stereo_accuracy.hpp"
 #include "scenarios/experiments/stereo_pairs.hpp"
 #include "scenarios/experiments/stereo_speed.hpp"
@@ -26,10 +27,10 @@ namespace {
 
 const std::vector<Experiment>& All() {
   static const std::vector<Experiment> all{
-      LocomotionExperiment(),        LaserAccuracyExperiment(),  LaserLandmarksExperiment(),
-      IrLandmarksExperiment(),       StereoAccuracyExperiment(), StereoSpeedExperiment(),
-      StereoPairsExperiment(),       RealismExperiment(),        MonoLocalisationExperiment(),
-      StereoLocalisationExperiment()};
+      LocomotionExperiment(),         LaserAccuracyExperiment(),  LaserLandmarksExperiment(),
+      IrLandmarksExperiment(),        StereoAccuracyExperiment(), StereoSpeedExperiment(),
+      StereoPairsExperiment(),        RealismExperiment(),        MonoLocalisationExperiment(),
+      StereoLocalisationExperiment(), RingPhotographsExperiment()};
   return all;
 }
 
@@ -43,7 +44,7 @@ std::span<const Experiment> ExperimentsNamed(const std::string& word) {
     const auto own = std::ranges::find_if(all, [](const Experiment& one) { return one.own_page; });
     return {all.begin(), own};
   }
-  if (word == "localisation") return std::span(all).last(2);  // they share a page
+  if (word == "localisation") return std::span(all).last(3);  // they share a page
   std::string names = "all, localisation";
   for (const Experiment& experiment : all) {
     if (experiment.name == word) return {&experiment, 1};

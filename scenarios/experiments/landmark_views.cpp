@@ -103,6 +103,7 @@ struct Extremes {
 
 /// In the test field the robot drives along the invert; it still sways a little.
 Extremes ExtremesOf(ViewSet set) {
+  if (set == ViewSet::kField) return {};
   if (set == ViewSet::kReproduction) return {0.003, Radians(0.5), Radians(1.0), 0.0};
   return {0.020, Radians(4.0), Radians(4.0), Radians(0.05)};
 }
@@ -130,7 +131,9 @@ std::vector<std::size_t> Candidates(const network::Pipe& pipe, LandmarkKind kind
 }  // namespace
 
 const char* ToString(ViewSet set) {
-  return set == ViewSet::kReproduction ? "reproduction" : "stress";
+  return set == ViewSet::kReproduction ? "reproduction"
+         : set == ViewSet::kStress     ? "stress"
+                                       : "field";
 }
 
 std::string StreamOf(ViewPurpose purpose, ViewSet set, std::size_t sewer) {
@@ -139,6 +142,10 @@ std::string StreamOf(ViewPurpose purpose, ViewSet set, std::size_t sewer) {
 }
 
 LandmarkSewer DrawSewer(ViewPurpose purpose, ViewSet set, std::uint64_t seed, std::size_t sewer) {
+  if (set == ViewSet::kField) {
+    sewer %= 3;  // thesis 4.4: three pipes, three types of manholes
+    purpose = ViewPurpose::kTraining;
+  }
   RandomStream random(seed, StreamOf(purpose, set, sewer));
   network::Network network;
   network.name = "landmarks";
@@ -146,7 +153,7 @@ LandmarkSewer DrawSewer(ViewPurpose purpose, ViewSet set, std::uint64_t seed, st
   pipe.name = "pipe";
   pipe.upstream = "start";
   pipe.downstream = "end";
-  if (set == ViewSet::kReproduction) {
+  if (set != ViewSet::kStress) {
     pipe.diameter_m = std::array{0.250, 0.300}[sewer % 2];
   } else {
     pipe.diameter_m = std::array{0.200, 0.250, 0.300, 0.350}[random.Index(4)];
@@ -162,8 +169,7 @@ LandmarkSewer DrawSewer(ViewPurpose purpose, ViewSet set, std::uint64_t seed, st
                       ManholeAt("end", kPipe_m + half_shaft_m, 0.0)};
   network.pipes = {pipe};
   AddBeyond(network, sewer % 3);
-  return {network, random.Index(std::uint64_t{1} << 62U),
-          set == ViewSet::kReproduction ? 1.0 : kDimmed};
+  return {network, random.Index(std::uint64_t{1} << 62U), set == ViewSet::kStress ? kDimmed : 1.0};
 }
 
 robot::ImageSensor AutomaticExposure(robot::ImageSensor sensor, double light) {
@@ -182,7 +188,8 @@ ViewPlan DrawView(const LandmarkSewer& sewer, ViewPurpose purpose, ViewSet set, 
   plan.kind = kind;
   const std::vector<std::size_t> which = Candidates(sewer.pipe(), kind);
   plan.landmark = which[random.Index(which.size())];
-  plan.distance_m = random.Uniform(kNearest_m, inlet ? kFarthestInlet_m : kFarthestRing_m);
+  plan.distance_m = random.Uniform(
+      kNearest_m, inlet || set == ViewSet::kField ? kFarthestInlet_m : kFarthestRing_m);
   const double off_m = random.Uniform(0.0, most.off_m), tilt_rad = random.Uniform(0, most.tilt_rad);
   const double off_to_rad = random.Uniform(-std::numbers::pi, std::numbers::pi);
   const double tilt_to_rad = random.Uniform(-std::numbers::pi, std::numbers::pi);
@@ -196,6 +203,13 @@ ViewPlan DrawView(const LandmarkSewer& sewer, ViewPurpose purpose, ViewSet set, 
   plan.odometry_error = random.Normal(0.01);
   plan.between_m = random.Uniform(0.06, 0.12);  // two to four pictures at 15 cm/s and 5 Hz
   return plan;
+}
+
+bool SeesOnlyItsRing(const LandmarkSewer& sewer, const ViewPlan& plan) {
+  const double at_m = ChainageOf(sewer, plan, kPipe_m);
+  return std::ranges::none_of(sewer.pipe().joints, [&](const network::Joint& joint) {
+    return joint.chainage_m > at_m - plan.distance_m && joint.chainage_m < at_m - 1e-6;
+  });
 }
 
 class LandmarkStage::Impl {
@@ -351,6 +365,7 @@ void ForEachView(const robot::Description& description, const ViewRequest& reque
       view.condition = sewer.pipe().condition;
       view.material = sewer.pipe().material;
       view.light = sewer.light;
+      view.clear = SeesOnlyItsRing(sewer, view.plan);
       view.sizes.pipe_diameter_m = sewer.pipe().diameter_m;
       if (perception::ClassOf(view.plan.kind) == perception::LandmarkClass::kInlet)
         view.sizes.inlet_diameter_m = sewer.pipe().inlets.at(view.plan.landmark).diameter_m;

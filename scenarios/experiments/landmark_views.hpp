@@ -15,9 +15,11 @@ namespace kantaro::scenarios {
 
 /// Which views: as in the thesis' dry test field, or far worse: wet, dimmed, of any material, off
 /// the axis, leaning, and the right camera turned.
-enum class ViewSet { kReproduction, kStress };
-/// Calibration sees training views, experiments test views; no sewer, texture, pose or noise is in
-/// both.
+/// The field is the thesis' own case at its mildest: three pipes in which the method was also
+/// calibrated, the robot standing straight, nothing farther than 0.8 m.
+enum class ViewSet { kReproduction, kStress, kField };
+/// Calibration sees training views, experiments test views; no pose or noise is in both, and but
+/// for the field no sewer and texture.
 enum class ViewPurpose { kTraining, kTest };
 enum class ViewCameras { kFront, kStereo };
 
@@ -59,6 +61,9 @@ struct LandmarkSewer {
 /// blur are what is left.
 [[nodiscard]] robot::ImageSensor AutomaticExposure(robot::ImageSensor sensor, double light);
 
+/// Whether no other joint lies between the camera and the landmark.
+[[nodiscard]] bool SeesOnlyItsRing(const LandmarkSewer& sewer, const ViewPlan& plan);
+
 /// One picture, or pair, of an approach, as the robot's code gets it: rectified brightness.
 struct LandmarkPicture {
   cv::Mat image, right;
@@ -92,6 +97,7 @@ struct LandmarkView {
   network::WallCondition condition{};
   network::Material material{};
   double light{1.0};  ///< of the lamps
+  bool clear{};       ///< SeesOnlyItsRing
   perception::KnownSizes sizes;
   std::vector<LandmarkPicture> pictures;
 };

@@ -9,12 +9,18 @@
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 
+#include "base/files.hpp"
 #include "base/input_error.hpp"
 #include "perception/parameters.hpp"
+#include "perception/thesis_landmarks.hpp"
+#include "robot/rectifier.hpp"
 #include "scenarios/experiments/landmark_views.hpp"
+#include "scenarios/experiments/localisation_plot.hpp"
 #include "scenarios/experiments/wilson.hpp"
+#include "scenarios/landmark_calibration.hpp"
 
 namespace kantaro::scenarios {
 namespace {
@@ -28,6 +34,8 @@ constexpr double kIn95Percent = 1.96;  ///< standard deviations to either side
 constexpr std::array kSets{ViewSet::kReproduction, ViewSet::kStress};
 constexpr std::array<std::pair<const char*, LandmarkMethod>, 2> kMethods{
     {{"thesis", LandmarkMethod::kThesis}, {"ours", LandmarkMethod::kOurs}}};
+constexpr std::size_t kThesis = 0, kOurs = 1;
+constexpr std::size_t kFieldLessons = 150;
 
 /// What the thesis did, and found.
 struct Trial {
@@ -57,6 +65,7 @@ constexpr std::size_t kRepeats = 10;  ///< of the thesis' count
 struct Outcome {
   std::size_t view{};
   std::string landmark, condition;
+  bool clear{};  ///< no joint stands before it
   double distance_m{};
   LandmarkAnswer answer;
   double time_ms{};
@@ -105,6 +114,7 @@ Outcome Ask(const robot::Description& description, perception::LandmarkParameter
   outcome.view = view.number;
   outcome.landmark = ToString(perception::ClassOf(view.plan.kind));
   outcome.condition = ConditionOf(view);
+  outcome.clear = view.clear;
   outcome.distance_m = view.plan.distance_m;
   for (const LandmarkPicture& picture : view.pictures) {
     const double before_ms = Cpu_ms();
@@ -158,6 +168,53 @@ Json RowOf(const char* set, const char* method, const std::string& landmark,
   return row;
 }
 
+/// What parts of the thesis' stereo method say by themselves, and how many of the edge pixels lie
+/// where the landmark is: why it does as it does.
+struct StereoParts {
+  Outcome fits, matching;
+  std::optional<double> edges_on_landmark;  ///< share whose distance is within 5 cm
+};
+
+StereoParts AskParts(const robot::Description& description,
+                     const perception::LandmarkParameters& parameters, const LandmarkView& view,
+                     const Outcome& whole) {
+  const LandmarkPicture& picture = view.pictures.back();
+  auto sight = perception::SeeByStereo(
+      picture.image, picture.right,
+      description.stereo_left.focal_px * robot::StereoBaseline_m(description), parameters,
+      view.plan.kind);
+  StereoParts parts{whole, whole, {}};
+  const auto answer = [](double distance_m) {
+    return LandmarkAnswer{LandmarkAnswer::Status::kFound, distance_m};
+  };
+  parts.fits.answer = answer((sight.tau1_m + sight.tau2_m) / 2.0);
+  parts.matching.answer = {};
+  auto& all_m = sight.distances_m;
+  if (all_m.empty()) return parts;
+  const auto right = std::ranges::count_if(all_m, [&](double distance_m) {
+    return std::abs(distance_m - view.plan.distance_m) <= 0.05;
+  });
+  parts.edges_on_landmark = static_cast<double>(right) / static_cast<double>(all_m.size());
+  const auto middle = all_m.begin() + static_cast<std::ptrdiff_t>(all_m.size() / 2);
+  std::nth_element(all_m.begin(), middle, all_m.end());
+  parts.matching.answer = answer(*middle);
+  return parts;
+}
+
+void AddPartRows(const char* set, const std::vector<StereoParts>& parts, Json& rows) {
+  std::vector<const Outcome*> fits, matching;
+  double sum = 0.0, views = 0.0;
+  for (const StereoParts& part : parts) {
+    fits.push_back(&part.fits);
+    matching.push_back(&part.matching);
+    sum += part.edges_on_landmark.value_or(0.0);
+    views += part.edges_on_landmark ? 1.0 : 0.0;
+  }
+  rows.push_back(RowOf(set, "thesis", "all", "fits alone", fits));
+  rows.push_back(RowOf(set, "thesis", "all", "matching alone", matching));
+  if (views > 0.0) rows.back()["edges_on_landmark"] = sum / views;
+}
+
 /// Rows of one method and set; the pooled one comes first.
 void AddRows(const Trial& trial, const char* set, const char* method,
              const std::vector<Outcome>& outcomes, Json& rows) {
@@ -169,6 +226,7 @@ void AddRows(const Trial& trial, const char* set, const char* method,
     if (outcome.view < trial.views() && outcomes.size() > trial.views())
       of.emplace_back("all", "the thesis' count");
     if (outcome.distance_m <= kUpTo_m) of.emplace_back("all", "up to 1.0 m");
+    if (outcome.clear) of.emplace_back("all", "no joint before it");
     of.emplace_back(outcome.landmark, "all");
     if (std::string(set) == "stress") of.emplace_back("all", outcome.condition);
     for (const Group& group : of) groups[group].push_back(&outcome);
@@ -240,6 +298,59 @@ std::vector<perception::LandmarkKind> Kinds(const Trial& trial, std::size_t coun
   return kinds;
 }
 
+/// One set of views to measure.
+struct Measurement {
+  const Trial& trial;
+  const ExperimentOptions& options;
+  const robot::Description& description;
+  const perception::LandmarkParameters& parameters;
+  ViewSet set;
+  std::size_t count, all;  ///< views, and of all sets
+};
+
+/// Each view is drawn once, and all methods judge it. Of the field, the thesis' alone.
+void MeasureSet(const Measurement& m, std::size_t& done, Json& rows, Json& points) {
+  const auto wanted = [&](std::size_t method) {
+    return Wanted(m.options, kMethods[method].first) &&
+           (m.set != ViewSet::kField || kMethods[method].second == LandmarkMethod::kThesis);
+  };
+  std::array<std::vector<Outcome>, kMethods.size()> outcomes;
+  outcomes.fill(std::vector<Outcome>(m.count));
+  const ViewRequest request{ViewPurpose::kTest,
+                            m.set,
+                            m.trial.cameras,
+                            Kinds(m.trial, m.count),
+                            m.options.seed,
+                            m.options.jobs,
+                            wanted(kOurs) ? kPicturesOfApproach : 1};
+  const bool apart = m.trial.cameras == ViewCameras::kStereo && wanted(kThesis);
+  std::vector<StereoParts> parts(apart ? m.count : 0);
+  std::mutex mutex;
+  ForEachView(m.description, request, [&](LandmarkView&& view) {
+    for (std::size_t method = 0; method < kMethods.size(); ++method) {
+      if (!wanted(method)) continue;
+      outcomes[method][view.number] =
+          Ask(m.description, m.parameters, m.trial.cameras, kMethods[method].second, view);
+    }
+    if (apart)
+      parts[view.number] =
+          AskParts(m.description, m.parameters, view, outcomes[kThesis][view.number]);
+    const std::lock_guard lock(mutex);
+    m.options.progress(std::min(++done, m.all), m.all);
+  });
+  for (std::size_t method = 0; method < kMethods.size(); ++method) {
+    if (!wanted(method)) continue;
+    AddRows(m.trial, ToString(m.set), kMethods[method].first, outcomes[method], rows);
+    for (const Outcome& outcome : outcomes[method]) {
+      points.push_back({ToString(m.set), kMethods[method].first, outcome.landmark,
+                        outcome.condition, outcome.distance_m,
+                        outcome.found() ? Json(outcome.error_m()) : Json(nullptr),
+                        outcome.answer.deviation_m});
+    }
+  }
+  if (apart) AddPartRows(ToString(m.set), parts, rows);
+}
+
 Json Run(const Trial& trial, const ExperimentOptions& options) {
   CheckMethods(options.only);
   const robot::Description description = robot::ReadDescription(options.robot_folder);
@@ -249,46 +360,33 @@ Json Run(const Trial& trial, const ExperimentOptions& options) {
       perception::ReadLandmarkCalibration(options.robot_folder / "landmarks.yaml");
   const std::size_t count = options.count == 0 ? kRepeats * trial.views() : options.count;
   Json rows = Json::array(), points = Json::array();
-  std::mutex mutex;
   std::size_t done = 0;
-  for (const ViewSet set : kSets) {
-    std::array<std::vector<Outcome>, kMethods.size()> outcomes;
-    outcomes.fill(std::vector<Outcome>(count));
-    const ViewRequest request{ViewPurpose::kTest,
-                              set,
-                              trial.cameras,
-                              Kinds(trial, count),
-                              options.seed,
-                              options.jobs,
-                              Wanted(options, "ours") ? kPicturesOfApproach : 1};
-    ForEachView(description, request, [&](LandmarkView&& view) {
-      for (std::size_t m = 0; m < kMethods.size(); ++m) {
-        if (!Wanted(options, kMethods[m].first)) continue;
-        outcomes[m][view.number] =
-            Ask(description, parameters, trial.cameras, kMethods[m].second, view);
-      }
-      const std::lock_guard lock(mutex);
-      options.progress(++done, kSets.size() * count);
-    });
-    for (std::size_t m = 0; m < kMethods.size(); ++m) {
-      if (outcomes[m].front().landmark.empty()) continue;
-      AddRows(trial, ToString(set), kMethods[m].first, outcomes[m], rows);
-      for (const Outcome& outcome : outcomes[m]) {
-        points.push_back({ToString(set), kMethods[m].first, outcome.landmark, outcome.condition,
-                          outcome.distance_m,
-                          outcome.found() ? Json(outcome.error_m()) : Json(nullptr),
-                          outcome.answer.deviation_m});
-      }
-    }
+  const std::size_t all = kSets.size() * count;
+  for (const ViewSet set : kSets)
+    MeasureSet({trial, options, description, parameters, set, count, all}, done, rows, points);
+  if (Wanted(options, "thesis")) {
+    CalibrationOptions field;
+    field.seed = options.seed;
+    field.views = kFieldLessons;
+    field.jobs = options.jobs;
+    CalibrateThesis(description, parameters, ViewSet::kField, trial.cameras, field,
+                    parameters.calibration);
+    MeasureSet({trial, options, description, parameters, ViewSet::kField,
+                std::min(count, trial.views()), all},
+               done, rows, points);
   }
-  return {{"experiment", trial.name},
-          {"seed", options.seed},
-          {"passed", std::none_of(rows.begin(), rows.end(), Fails)},
-          {"rows", rows},
-          {"thesis", ThesisRows(trial)},
-          {"point_keys",
-           {"set", "method", "landmark", "condition", "distance_m", "error_m", "deviation_m"}},
-          {"points", points}};
+  const Json result{
+      {"experiment", trial.name},
+      {"seed", options.seed},
+      {"passed", std::none_of(rows.begin(), rows.end(), Fails)},
+      {"rows", rows},
+      {"thesis", ThesisRows(trial)},
+      {"point_keys",
+       {"set", "method", "landmark", "condition", "distance_m", "error_m", "deviation_m"}},
+      {"points", points}};
+  if (!options.out.empty())
+    WriteFileAtomically(options.out / (std::string(trial.name) + ".svg"), PlotErrors(result));
+  return result;
 }
 
 std::string Percent(const Json& row, const char* key) {

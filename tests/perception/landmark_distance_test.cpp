@@ -62,6 +62,52 @@ TEST(ThesisLandmarks, FindCirclesWhereTheyAreDrawn) {
   EXPECT_EQ(FindCircle(cv::Mat::zeros(200, 300, CV_8U), {cv::Rect(0, 0, 9, 9), 2, 3, 9}).votes, 0);
 }
 
+// A ring of radius 12 has about 70 edge pixels, 80 degrees of one of radius 80 about 100: more,
+// but 11 against 20 by the square root of the radius.
+TEST(ThesisLandmarks, PreferAWholeRingToAPieceOfALargerOne) {
+  cv::Mat edges = cv::Mat::zeros(200, 300, CV_8U);
+  cv::circle(edges, {150, 100}, 12, 255);
+  cv::ellipse(edges, {150, 100}, {80, 80}, 0.0, 200.0, 280.0, 255);
+  const HoughBounds bounds{cv::Rect(140, 90, 21, 21), 2, 8, 90};
+  EXPECT_NEAR(FindCircle(edges, bounds).radius_px, 12, 1);
+}
+
+// 30 px from the middle of the centres, 6 of them free: a circle of 24 / 0.3 = 80 px, or larger.
+TEST(ThesisLandmarks, BoundCentersByTheRadius) {
+  HoughBounds bounds{cv::Rect(100, 100, 101, 101), 2, 40, 300};
+  EXPECT_EQ(bounds.SmallestAt({180, 150}), 40);
+  bounds.reach_share = 0.3;
+  bounds.reach_px = 6;
+  EXPECT_EQ(bounds.SmallestAt({180, 150}), 80);
+  EXPECT_EQ(bounds.SmallestAt({150, 155}), 40);
+}
+
+// The drawn wall's geometry is the pinhole's, and so is what the table must say of it.
+TEST(ThesisLandmarks, AnswerWhatTheRadiusTableSays) {
+  LandmarkParameters parameters = Shipped(LandmarkMethod::kThesis);
+  const double px_m = Robot().front_camera.focal_px * kReferencePipe_m / 2.0;
+  RadiusTable& table = parameters.calibration.classes[1].radius;
+  table = {{{0.5, px_m / 0.5}, {1.0, px_m / 1.0}}};
+  const auto ask = [&](double distance_m) {
+    return MakeMonoDistance(Robot(), parameters, LandmarkKind::kJoint, kSizes)
+        ->Update({PipeWithJoint(distance_m), {}, 0.0})
+        .distance_m;
+  };
+  for (const double distance_m : {0.45, 0.7, 1.0}) EXPECT_NEAR(ask(distance_m), distance_m, 0.03);
+  table = {{{0.6, px_m / 0.5}, {1.2, px_m / 1.0}}};
+  EXPECT_NEAR(ask(0.7), 1.2 * 0.7, 0.04);
+}
+
+// A ring's radius times its distance is the pinhole's, wherever the table was learnt.
+TEST(ThesisLandmarks, ShipATableThatAgreesWithThePinhole) {
+  const LandmarkCalibration calibration = Shipped(LandmarkMethod::kThesis).calibration;
+  const double px_m = Robot().front_camera.focal_px * kReferencePipe_m / 2.0;
+  for (const LandmarkKind kind : {LandmarkKind::kManhole, LandmarkKind::kJoint}) {
+    for (const auto& [distance_m, radius_px] : calibration.Of(kind).radius.distance_radius)
+      EXPECT_NEAR(radius_px * distance_m / px_m, 1.0, 0.10) << distance_m;
+  }
+}
+
 // r = 90 / d passes through both entries, so distance is 90 / r everywhere, beyond them too.
 TEST(ThesisLandmarks, InterpolateTheRadiusTableInOneOverRadius) {
   const RadiusTable table{{{0.5, 180.0}, {1.0, 90.0}, {1.5, 60.0}}};
@@ -94,6 +140,11 @@ TEST(LandmarkDistance, SaysThatAPictureIsBlankOrSaturated) {
     EXPECT_EQ(asked->Update({Even(0), {}, 0.0}).status, Status::kBlank);
     EXPECT_EQ(asked->Update({Even(128), {}, 0.0}).status, Status::kBlank);
     EXPECT_EQ(asked->Update({Even(255), {}, 0.0}).status, Status::kSaturated);
+    auto pair = MakeStereoDistance(Robot(), Shipped(method), LandmarkKind::kJoint, kSizes);
+    const cv::Mat good = PipeWithJoint(0.7)(cv::Rect(0, 0, 640, 480)).clone();
+    const auto even = [](int level) { return cv::Mat(480, 640, CV_8U, cv::Scalar(level)); };
+    EXPECT_EQ(pair->Update({good, even(0), 0.0}).status, Status::kBlank);
+    EXPECT_EQ(pair->Update({even(255), good, 0.0}).status, Status::kSaturated);
   }
   EXPECT_STREQ(ToString(Status::kSaturated), "saturated picture");
 }
@@ -109,7 +160,15 @@ TEST(LandmarkDistance, RefusesWhatIsNoPictureOfItsCamera) {
       EXPECT_THROW((void)mono->Update({image, {}, 0.0}), std::invalid_argument);
     EXPECT_THROW((void)mono->Update({PipeWithJoint(0.7), {}, std::nan("")}), std::invalid_argument);
     EXPECT_THROW((void)pair->Update({wrong, {}, 0.0}), std::invalid_argument);
-    EXPECT_THROW((void)pair->Update({wrong, tiny, 0.0}), std::invalid_argument);
+    for (const cv::Mat& right : {tiny, deep, nan})
+      EXPECT_THROW((void)pair->Update({wrong, right, 0.0}), std::invalid_argument);
+    try {
+      (void)mono->Update({wrong, {}, 0.0});
+      FAIL();
+    } catch (const std::invalid_argument& error) {
+      EXPECT_STREQ(error.what(),
+                   "landmark distance: the image is 640 x 480, the camera's are 704 x 480");
+    }
   }
 }
 

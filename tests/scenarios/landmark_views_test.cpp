@@ -62,6 +62,39 @@ TEST(LandmarkViews, ShareNoSewerBetweenTrainingAndTest) {
   }
 }
 
+// The field alone is calibrated where it is tested, as the thesis' was.
+TEST(LandmarkViews, ShareTheirThreeSewersInTheField) {
+  std::set<std::uint64_t> textures;
+  for (std::size_t i = 0; i < 9; ++i) {
+    const LandmarkSewer sewer = DrawSewer(ViewPurpose::kTest, ViewSet::kField, 1, i);
+    EXPECT_EQ(sewer.texture_seed,
+              DrawSewer(ViewPurpose::kTraining, ViewSet::kField, 1, i).texture_seed);
+    textures.insert(sewer.texture_seed);
+    const auto plan = [&](ViewPurpose purpose) {
+      return DrawView(sewer, purpose, ViewSet::kField, 1, i, 0, LandmarkKind::kJoint);
+    };
+    EXPECT_NE(plan(ViewPurpose::kTest).distance_m, plan(ViewPurpose::kTraining).distance_m);
+    EXPECT_LE(plan(ViewPurpose::kTest).distance_m, 0.8);
+    EXPECT_EQ(plan(ViewPurpose::kTest).pitch_rad, 0.0);
+  }
+  EXPECT_EQ(textures.size(), 3U);
+}
+
+TEST(LandmarkViews, KnowWhetherAJointStandsBeforeThem) {
+  LandmarkSewer sewer;
+  sewer.network.pipes.resize(1);
+  sewer.network.pipes[0].joints.resize(1);
+  ViewPlan plan;
+  plan.kind = LandmarkKind::kManhole;  // 8 m down the pipe
+  plan.distance_m = 1.0;
+  sewer.network.pipes[0].joints[0].chainage_m = 7.2;
+  EXPECT_FALSE(SeesOnlyItsRing(sewer, plan));
+  sewer.network.pipes[0].joints[0].chainage_m = 6.9;
+  EXPECT_TRUE(SeesOnlyItsRing(sewer, plan));
+  plan.kind = LandmarkKind::kJoint;
+  EXPECT_TRUE(SeesOnlyItsRing(sewer, plan));
+}
+
 TEST(LandmarkViews, ShareNoPoseBetweenTrainingAndTest) {
   std::set<double> trained;
   for (const ViewPurpose purpose : {ViewPurpose::kTraining, ViewPurpose::kTest}) {
@@ -201,6 +234,28 @@ TEST(LandmarkCalibration, TakesMediansOfStretches) {
   EXPECT_NEAR(table.distance_radius[0].second, 160, 1e-12);
   EXPECT_NEAR(table.distance_radius[1].second, 86, 1e-12);
   EXPECT_THROW((void)FitRadiusTable({{0.5, 100}}), std::invalid_argument);
+}
+
+// Medians of 100, 140 and 60 px at 0.45, 0.55 and 0.95 m: the first two cannot both be, and are two
+// views each.
+TEST(LandmarkCalibration, PoolsStretchesWhoseRadiiDoNotFall) {
+  const auto table =
+      FitRadiusTable({{0.45, 100}, {0.45, 100}, {0.55, 140}, {0.55, 140}, {0.95, 60}, {0.95, 60}});
+  ASSERT_EQ(table.distance_radius.size(), 2U);
+  EXPECT_NEAR(table.distance_radius[0].first, 0.50, 1e-12);
+  EXPECT_NEAR(table.distance_radius[0].second, 120, 1e-12);
+  EXPECT_NEAR(table.distance_radius[1].second, 60, 1e-12);
+}
+
+// r = 90 / d at 0.55 and 1.05 m, so 0.8 m is 112.5 px; of radii half as large the table says twice
+// the distance.
+TEST(LandmarkCalibration, LearnsATableThatTellsDistances) {
+  std::vector<Sample> samples;
+  for (const double distance_m : {0.54, 0.55, 0.56, 1.04, 1.05, 1.06})
+    samples.push_back({distance_m, 90.0 / distance_m});
+  EXPECT_NEAR(FitRadiusTable(samples).DistanceAt(112.5), 0.8, 1e-3);
+  for (Sample& sample : samples) sample.x /= 2.0;
+  EXPECT_NEAR(FitRadiusTable(samples).DistanceAt(112.5), 0.4, 1e-3);
 }
 
 // Errors of 2 % of what is answered, and stated deviations half as large as they ought to be.
