@@ -10,10 +10,12 @@ constexpr std::array<const char*, kGroundCount> kGrounds{"pvc", "clay", "concret
 constexpr std::array<const char*, kConditionCount> kConditions{"dry", "wet", "slimy"};
 
 Grip ReadGrip(const YamlNode& node) {
-  node.AllowOnly({"tyre_friction", "hull_friction", "rolling_resistance_mm", "source"});
+  node.AllowOnly(
+      {"tyre_friction", "hull_friction", "rolling_resistance_mm", "infrared_return", "source"});
   if (node["source"].Text().size() < 5) throw node["source"].Error("say where the values are from");
   return {node["tyre_friction"].Number(0.01, 2.0), node["hull_friction"].Number(0.01, 2.0),
-          node["rolling_resistance_mm"].Number(0.0, 20.0) / 1000.0};
+          node["rolling_resistance_mm"].Number(0.0, 20.0) / 1000.0,
+          node["infrared_return"].Number(0.01, 10.0)};
 }
 
 GripTable ReadTable(const YamlNode& root) {

@@ -9,11 +9,12 @@
 
 namespace kantaro::sim {
 
-/// What a surface offers to what stands on it.
+/// What a surface offers to what stands on it, and to the light of an IR sensor.
 struct Grip {
   double tyre_friction{};         ///< tyre rubber on it, Coulomb
   double hull_friction{};         ///< the robot's boxes on it
   double rolling_resistance_m{};  ///< of a wheel: lever arm of the wall's force
+  double infrared_return{1.0};    ///< of what dry plastic sends back to an IR sensor
 };
 
 /// Surfaces that differ in their grip. The first four are network::Material in its order; stones,

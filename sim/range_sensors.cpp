@@ -116,15 +116,20 @@ std::optional<double> LaserScanner::EdgeFootprint(const Range& range) const {
 }
 
 robot::IrReading MeasureInfrared(const robot::Infrared& sensor, const RayCaster& rays,
-                                 const Isometry3d& X_WS, RandomStream& noise) {
+                                 const GroundAt& ground, const Isometry3d& X_WS,
+                                 RandomStream& noise) {
   // The middle and two rings stand for equal solid angles of the cone.
   constexpr int kSpokes = 6;
   const auto light = [&](double angle_rad, double spoke_rad) {
     const Vector3d beam_S(std::cos(angle_rad), std::sin(angle_rad) * std::cos(spoke_rad),
                           std::sin(angle_rad) * std::sin(spoke_rad));
-    const auto hit = rays.Cast(X_WS.translation(), X_WS.linear() * beam_S, kInfraredReach_m);
-    const double ratio = sensor.half_range_m / (hit ? hit->range_m : kInfraredReach_m);
-    return ratio * ratio;
+    const Vector3d beam_W = X_WS.linear() * beam_S;
+    const auto hit = rays.Cast(X_WS.translation(), beam_W, kInfraredReach_m);
+    const double range_m = hit ? hit->range_m : kInfraredReach_m;
+    const double ratio = sensor.half_range_m / range_m;
+    if (!ground) return ratio * ratio;
+    const Vector3d p_W = X_WS.translation() + range_m * beam_W;
+    return ground(p_W).grip.infrared_return * ratio * ratio;
   };
   double sum = light(0.0, 0.0);
   int beams = 1;

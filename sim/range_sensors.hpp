@@ -7,6 +7,7 @@
 #include "base/random.hpp"
 #include "robot/description.hpp"
 #include "robot/readings.hpp"
+#include "sim/ground.hpp"
 #include "sim/ray_caster.hpp"
 
 namespace kantaro::sim {
@@ -50,7 +51,9 @@ class LaserScanner {
 
 /// Reading of an IR sensor whose beam, a cone, starts at a pose's origin along its x (thesis 4.3:
 /// the value falls with distance).
+/// @param ground  what the walls send back; empty: dry plastic everywhere.
 [[nodiscard]] robot::IrReading MeasureInfrared(const robot::Infrared& sensor, const RayCaster& rays,
+                                               const GroundAt& ground,
                                                const Eigen::Isometry3d& X_WS, RandomStream& noise);
 
 }  // namespace kantaro::sim

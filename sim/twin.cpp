@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <stdexcept>
 
@@ -64,8 +65,8 @@ class Twin::Impl {
       : world_(std::move(world)),
         description_(description),
         conditions_(conditions),
-        physics_(*world_.field, description_, MakePhysicsOptions(),
-                 world_.ground ? GroundAt(*world_.ground) : GroundAt()),
+        ground_(world_.ground ? GroundAt(std::cref(*world_.ground)) : GroundAt()),
+        physics_(*world_.field, description_, MakePhysicsOptions(), ground_),
         laser_(description_.laser, *world_.rays, RandomStream(conditions.seed, "sensor.laser")),
         infrared_noise_(conditions.seed, "sensor.infrared"),
         inertial_(description_.inertial, conditions.seed),
@@ -253,7 +254,8 @@ class Twin::Impl {
 
   robot::IrRanges ReadInfrared(const Isometry3d& X_WB) {
     const auto measure = [&](const robot::Infrared& sensor) {
-      return MeasureInfrared(sensor, *world_.rays, X_WB * Mount(sensor.link), infrared_noise_);
+      return MeasureInfrared(sensor, *world_.rays, ground_, X_WB * Mount(sensor.link),
+                             infrared_noise_);
     };
     robot::IrRanges ranges;
     ranges.up = measure(description_.ir_up);
@@ -348,6 +350,7 @@ class Twin::Impl {
   World world_;
   robot::Description description_;
   Conditions conditions_;
+  GroundAt ground_;
   Physics physics_;
   LaserScanner laser_;
   RandomStream infrared_noise_;

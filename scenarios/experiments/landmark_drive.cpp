@@ -144,7 +144,8 @@ LandmarkCourse MakeLandmarkCourse(PassedKind kind, double diameter_m, bool downs
 
 LandmarkDrive DrivePast(const robot::Description& description, const LandmarkCourse& course,
                         const LandmarkDriveConditions& conditions,
-                        const std::function<void(const robot::Reading&)>& hear) {
+                        const std::function<void(const robot::Reading&)>& hear,
+                        const std::optional<sim::GripTable>& grips) {
   robot::Description askew = description;
   for (robot::Joint& joint : askew.joints) {
     if (joint.name == askew.laser.mast)
@@ -162,7 +163,7 @@ LandmarkDrive DrivePast(const robot::Description& description, const LandmarkCou
   run.wheel_friction = conditions.wheel_friction;
   run.mast_diameter_m = diameter_m;
   run.time_limit_s = kPatience * (kBehind_m + kRunUp_m + 2.0 * course.end_x_m) / kSpeed_m_s;
-  sim::Twin twin(sim::BuildWorld(course.network, conditions.seed, false), askew, run);
+  sim::Twin twin(sim::BuildWorld(course.network, conditions.seed, false, grips), askew, run);
 
   const double speed_rad_s = kSpeed_m_s / askew.tyres.at(askew.wheels.front()).radius_m;
   perception::AttitudeFilter attitude;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -69,9 +70,12 @@ struct LandmarkDrive {
 /// Steering keeps the roll that was asked for by what the inertial unit says, as the executive
 /// does.
 /// @param hear  gets every reading in its order
+/// @param grips  what walls of each material are like; without it all are dry plastic to infrared
+/// sensors. Wheels find `conditions.wheel_friction` on any.
 [[nodiscard]] LandmarkDrive DrivePast(const robot::Description& description,
                                       const LandmarkCourse& course,
                                       const LandmarkDriveConditions& conditions,
-                                      const std::function<void(const robot::Reading&)>& hear);
+                                      const std::function<void(const robot::Reading&)>& hear,
+                                      const std::optional<sim::GripTable>& grips = {});
 
 }  // namespace kantaro::scenarios

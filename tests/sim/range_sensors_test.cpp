@@ -7,6 +7,7 @@
 
 #include "robot/mirror_angle.hpp"
 #include "sim/surface_mesh.hpp"
+#include "tests/network/sewers.hpp"
 
 namespace kantaro::sim {
 namespace {
@@ -182,8 +183,44 @@ TEST(Infrared, FallsWithTheDistance) {
     X_WS.linear() = Eigen::AngleAxisd(-std::numbers::pi / 2.0, Eigen::Vector3d::UnitY())
                         .toRotationMatrix();  // x up
     const double ratio = radius / 0.150;
-    EXPECT_NEAR(MeasureInfrared(sensor, rays, X_WS, noise).value, 1.0 / (1.0 + ratio * ratio),
+    EXPECT_NEAR(MeasureInfrared(sensor, rays, {}, X_WS, noise).value, 1.0 / (1.0 + ratio * ratio),
                 0.002);
+  }
+}
+
+// 150 mm of plain pipe: s is the wall's share alone, and the value s / (1 + s).
+TEST(Infrared, DimsWithTheWallsMaterialAndCondition) {
+  robot::Infrared sensor;
+  sensor.half_range_m = 0.150;
+  sensor.noise = 0.0;
+  RandomStream noise(1, "infrared");
+  const GripTable grips = ReadGripTable(KANTARO_SOURCE_DIR "/models/materials.yaml");
+  const auto value = [&](network::Material material, network::WallCondition condition) {
+    network::Network network = network::OnePipe();
+    network.pipes[0].diameter_m = 0.300;
+    network.pipes[0].material = material;
+    network.pipes[0].condition = condition;
+    const Sewer sewer = BuildSewer(network);
+    const VoidField field(sewer.voids, sewer.solids);
+    const RayCaster rays(Tessellate(sewer.voids, sewer.solids));
+    const SewerGround ground(sewer, field, grips);
+    Eigen::Isometry3d X_WS = sewer.axes[0].PoseAt(5.0);
+    X_WS.rotate(Eigen::AngleAxisd(-std::numbers::pi / 2.0, Eigen::Vector3d::UnitY()));  // x up
+    return MeasureInfrared(sensor, rays, ground, X_WS, noise).value;
+  };
+  using network::Material;
+  using network::WallCondition;
+  EXPECT_NEAR(value(Material::kPvc, WallCondition::kDry), 0.5, 0.002);
+  for (const Material material : {Material::kClay, Material::kConcrete, Material::kLined}) {
+    double before = 0.5;
+    for (const WallCondition condition : {WallCondition::kDry, WallCondition::kWet}) {
+      const double share = grips.At(GroundOf(material), condition).infrared_return;
+      const double dimmed = value(material, condition);
+      EXPECT_NEAR(dimmed, share / (1.0 + share), 0.002);
+      EXPECT_LT(dimmed, before);
+      EXPECT_GT(dimmed, 0.25 + 5 * 0.01);  // the threshold, and five times the noise
+      before = dimmed;
+    }
   }
 }
 
@@ -202,7 +239,7 @@ double InfraredAtStep(double cone_rad, double before_m) {
   Eigen::Isometry3d X_WS = At(2.0 - before_m, 0.0, 0.0);
   X_WS.linear() =
       Eigen::AngleAxisd(-std::numbers::pi / 2.0, Eigen::Vector3d::UnitY()).toRotationMatrix();
-  return MeasureInfrared(sensor, rays, X_WS, noise).value;
+  return MeasureInfrared(sensor, rays, {}, X_WS, noise).value;
 }
 
 // A cone of 10° reaches 26 mm to each side of a spot 150 mm away; where half of it meets the far
