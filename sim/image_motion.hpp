@@ -20,8 +20,8 @@ struct CameraMotion {
 [[nodiscard]] Eigen::Vector2d ImageVelocity(const CameraMotion& motion,
                                             const Eigen::Vector2d& direction, double depth_m);
 
-/// How fast what each pixel shows moves across the ideal picture of a lens map. Measured along rays
-/// to the walls on a grid, linear between its nodes.
+/// How fast what each pixel of a lens map's ideal picture shows moves across it. Measured along
+/// rays to the walls on a grid, linear between its nodes.
 class MotionField {
  public:
   static constexpr int kGrid_px = 64;
@@ -34,6 +34,8 @@ class MotionField {
 
   /// Velocities at the nodes, CV_64FC2 [px/s]; empty if nothing moves.
   [[nodiscard]] const cv::Mat& nodes() const { return nodes_; }
+  /// At a place of the ideal picture, or the place in it that is nearest [px/s].
+  [[nodiscard]] Eigen::Vector2d At(const Eigen::Vector2d& p_px) const;
   /// The largest of them [px/s].
   [[nodiscard]] double Fastest() const { return fastest_px_s_; }
 
@@ -47,8 +49,7 @@ struct RemapMaps {
   cv::Mat whole, fraction;
 };
 
-/// The maps at a time from the middle of the exposure. Odd rows look `odd_rows_s` later than that.
-void FillMaps(const LensMap& lens, const MotionField& field, double time_s, double odd_rows_s,
-              RemapMaps& maps);
+/// The maps if odd rows look at the picture as it is `odd_rows_s` later.
+void FillMaps(const LensMap& lens, const MotionField& field, double odd_rows_s, RemapMaps& maps);
 
 }  // namespace kantaro::sim

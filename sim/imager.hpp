@@ -8,6 +8,7 @@
 #include "sim/image_motion.hpp"
 #include "sim/image_sensor.hpp"
 #include "sim/lens_map.hpp"
+#include "sim/motion_blur.hpp"
 
 namespace kantaro::sim {
 
@@ -26,8 +27,7 @@ class Imager {
   /// Memory that a thread keeps from one picture to the next.
   struct Scratch {
     RemapMaps maps;
-    cv::Mat tap;
-    std::vector<std::uint16_t> sum;
+    MotionBlur blur;
   };
 
   /// @param ideal  the picture of lens().ideal(), moved to where the camera is in the middle of the
@@ -36,8 +36,6 @@ class Imager {
                                Scratch& scratch) const;
 
  private:
-  void Blur(const cv::Mat& ideal, const MotionField& field, cv::Mat& image, Scratch& scratch) const;
-
   robot::ImageSensor settings_;
   LensMap lens_;
   RemapMaps still_;

@@ -46,7 +46,9 @@ double Vignetting(const robot::Camera& camera, const robot::Lens& lens, const Ve
 }
 
 /// The smallest pinhole picture that holds all directions that the lens sees, and a margin.
-CameraView IdealView(const robot::Camera& camera, const robot::Lens& lens, double margin_px) {
+CameraView IdealView(const robot::Camera& camera, const robot::Lens& lens) {
+  const int margin_px =
+      LensMap::kBlurMargin_px + (camera.sensor.interlaced ? LensMap::kFieldMargin_px : 0);
   Vector2d least(0.0, 0.0), most(0.0, 0.0);
   const auto include = [&](double x, double y) {
     const Vector2d direction = robot::Unproject(lens, {x, y});
@@ -91,7 +93,7 @@ std::vector<LensDrop> ScatterDrops(int count, const robot::Camera& camera, Rando
 
 LensMap::LensMap(const robot::Camera& camera, const std::vector<LensDrop>& drops)
     : lens_(robot::LensOf(camera)),
-      ideal_(IdealView(camera, lens_, kMargin_px)),
+      ideal_(IdealView(camera, lens_)),
       base_(camera.height_px, camera.width_px, CV_32SC2),
       transmission_(base_.size(), CV_32F) {
   const Vector2d last(camera.width_px - 1.0, camera.height_px - 1.0);

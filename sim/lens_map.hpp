@@ -26,8 +26,9 @@ struct LensDrop {
 /// Where in the ideal pinhole picture, as the renderer draws it, each pixel of the real one looks.
 class LensMap {
  public:
-  /// Room around the ideal picture, for what moves during an exposure [px].
-  static constexpr int kMargin_px = 8;
+  /// Room around the ideal picture [px]: for what moves in an exposure, and of an interlaced camera
+  /// for what moves from field to field too.
+  static constexpr int kBlurMargin_px = 5, kFieldMargin_px = 6;
 
   explicit LensMap(const robot::Camera& camera, const std::vector<LensDrop>& drops = {});
 
