@@ -13,7 +13,6 @@
 #include <exception>
 #include <limits>
 #include <mutex>
-#include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -21,6 +20,7 @@
 
 #include "base/input_error.hpp"
 #include "robot/recording/messages.hpp"
+#include "robot/recording/png.hpp"
 #include "robot/recording/topics.hpp"
 #include "robot/rectifier.hpp"
 
@@ -47,16 +47,6 @@ Message Stamped(RunTime captured_at, const std::string& frame) {
   message.header.stamp = Stamp(captured_at);
   message.header.frame_id = frame;
   return message;
-}
-
-/// Without loss, as every pixel counts when the recording is played back to perception.
-std::vector<std::uint8_t> Png(const cv::Mat& image) {
-  std::vector<std::uint8_t> bytes;
-  // Nothing repeats in a noisy picture: without looking for it this is faster, and smaller.
-  cv::imencode(".png", image, bytes,
-               {cv::IMWRITE_PNG_COMPRESSION, 1, cv::IMWRITE_PNG_STRATEGY,
-                cv::IMWRITE_PNG_STRATEGY_HUFFMAN_ONLY});
-  return bytes;
 }
 
 /// K and D are the picture's as it comes, R and P make it the rectified one.
@@ -254,7 +244,7 @@ class Recorder::Impl {
                 const cv::Mat& image, double baseline_m) {
     auto message = Stamped<sensor_msgs::CompressedImage>(captured_at_, camera.link);
     message.format = "bgr8; png compressed bgr8";
-    message.data = Png(image);
+    message.data = EncodePng(image);
     Put(camera_topic + topics::kImage, arrived_at_, message);
     Put(camera_topic + topics::kCameraInfo, arrived_at_,
         Info(camera, R_RC, captured_at_, baseline_m));
