@@ -24,6 +24,10 @@ void CheckSizes(LandmarkKind kind, const KnownSizes& sizes) {
   const auto positive = [](double value_m) { return std::isfinite(value_m) && value_m > 0.0; };
   if (!positive(sizes.pipe_diameter_m))
     throw std::invalid_argument("landmark distance: the pipe's diameter must be above 0");
+  if (sizes.shaft_diameter_m != 0.0 &&
+      !(positive(sizes.shaft_diameter_m) && sizes.shaft_diameter_m > sizes.pipe_diameter_m)) {
+    throw std::invalid_argument("landmark distance: the shaft must be wider than the pipe, or 0");
+  }
   if (ClassOf(kind) != LandmarkClass::kInlet) return;
   if (!positive(sizes.inlet_diameter_m) || sizes.inlet_diameter_m >= sizes.pipe_diameter_m) {
     throw std::invalid_argument(
@@ -132,11 +136,11 @@ class OurMono : public CheckedDistance {
           LandmarkKind kind, const KnownSizes& sizes)
       : CheckedDistance(description.front_camera, false),
         fit_(parameters.calibration.Of(kind).mono),
-        tracker_(description, description.front_camera, parameters, kind, sizes) {}
+        tracker_(description, description.front_camera, 0.0, parameters, kind, sizes) {}
 
  private:
   LandmarkAnswer See(const LandmarkLook& look) override {
-    const auto seen = tracker_.Update(look.image, look.travel_m);
+    const auto seen = tracker_.Update(look.image, {}, look.travel_m);
     return seen ? Calibrated(*seen, fit_) : LandmarkAnswer{};
   }
 
@@ -144,40 +148,26 @@ class OurMono : public CheckedDistance {
   LandmarkTracker tracker_;
 };
 
-/// One tracker for each camera: a known circle's size tells its distance more surely than its
-/// disparity does (a pixel is 3 cm at 1.5 m, against 7 cm), and no turned camera spoils it. The
-/// disparity is the check: where the two disagree, the better seen one counts.
+/// The rings of both cameras' pictures together: a known circle's size tells its distance more
+/// surely than its disparity does (a pixel is 3 cm at 1.5 m, against 7 cm). The disparity of the
+/// wall's texture tells how the pipe lies and by how much the right camera is turned.
 class OurStereo : public CheckedDistance {
  public:
   OurStereo(const robot::Description& description, const LandmarkParameters& parameters,
             LandmarkKind kind, const KnownSizes& sizes)
       : CheckedDistance(description.stereo_left, true),
         fit_(parameters.calibration.Of(kind).stereo),
-        baseline_m_(robot::StereoBaseline_m(description)),
-        left_(description, description.stereo_left, parameters, kind, sizes),
-        right_(description, description.stereo_right, parameters, kind, sizes) {}
+        tracker_(description, description.stereo_left, robot::StereoBaseline_m(description),
+                 parameters, kind, sizes) {}
 
  private:
   LandmarkAnswer See(const LandmarkLook& look) override {
-    constexpr double kApart = 0.10;  ///< share of the distance by which two sights may differ
-    const auto left = left_.Update(look.image, look.travel_m);
-    auto right = right_.Update(look.right, look.travel_m);
-    // The right camera stands ahead of the left one where the pair is turned in the pipe.
-    if (right) right->distance_m += baseline_m_ * left_.pose().lean.x();
-    if (!left && !right) return {};
-    if (!left || !right) return Calibrated(left ? *left : *right, fit_);
-    if (std::abs(left->distance_m / right->distance_m - 1.0) > kApart)
-      return Calibrated(left->significance >= right->significance ? *left : *right, fit_);
-    const double wl = 1.0 / (left->deviation_m * left->deviation_m);
-    const double wr = 1.0 / (right->deviation_m * right->deviation_m);
-    return Calibrated({(wl * left->distance_m + wr * right->distance_m) / (wl + wr),
-                       std::sqrt(1.0 / (wl + wr)), left->significance + right->significance},
-                      fit_);
+    const auto seen = tracker_.Update(look.image, look.right, look.travel_m);
+    return seen ? Calibrated(*seen, fit_) : LandmarkAnswer{};
   }
 
   ErrorFit fit_;
-  double baseline_m_;
-  LandmarkTracker left_, right_;
+  LandmarkTracker tracker_;
 };
 
 }  // namespace

@@ -14,6 +14,7 @@ namespace kantaro::perception {
 struct KnownSizes {
   double pipe_diameter_m{};
   double inlet_diameter_m{};  ///< inner, of a house connection; used for inlets alone
+  double shaft_diameter_m{};  ///< of a manhole; 0: 500 mm wider than the pipe (thesis 5.2)
 };
 
 /// One look at what lies ahead.

@@ -7,152 +7,188 @@
 namespace kantaro::perception {
 namespace {
 
-constexpr std::size_t kSights = 4;  ///< kept
-constexpr double kStep = 0.004;     ///< of the distances tried, as a share
-constexpr double kLeast = 2.0;      ///< significance
-constexpr double kApart = 0.15;
-constexpr double kSurelyStep = 0.35, kPerhapsStep = 0.6;
-constexpr int kEcho_px = 7;
-constexpr double kNearestShare = 0.7;  ///< of the best score makes a nearer ring the landmark
+constexpr std::size_t kPictures = 3;  ///< kept, of each camera
+constexpr double kStep = 0.003;       ///< of the distances tried, as a share
+constexpr double kTogether_m = 0.03;  ///< what lies so close to a distance speaks for it
+
+/// How much each sign says [log odds]: logistic regression among all distances, on training views.
+constexpr double kJointWeight = 0.93;
+constexpr double kStepWeight = 0.42, kLeastStep = -4.0, kMostStep = 6.0;
+constexpr double kSidesWeight = 33.8, kMostSides = 0.5, kEndWallWeight = 5.4;
+constexpr double kOuterWeight = 17.1, kInnerWeight = 32.8, kJumpWeight = 3.3;
+
 constexpr double kFarthestInlet_m = 1.0, kLeastInlet = 0.06, kInletDeviation = 0.01;
 constexpr double kPoseError_m = 0.006;
-constexpr double kPixel = 0.6;       ///< deviation of a ring's radius
-constexpr double kOdometry = 0.015;  ///< of the travel between two pictures
+constexpr double kJointPixels = 0.5, kMouthPixels = 0.7;  ///< deviation of a ring's radius
+constexpr double kWidening_m = 0.5;  ///< a shaft is wider than its pipe by so much (thesis 5.2)
 
 double CameraHeight(double pipe_diameter_m) {
   // Where the robot stands on its wheels (docs/robot.md): the wheels' treads are leaned outwards.
   return 0.56 * (0.300 - pipe_diameter_m);
 }
 
-/// The column of the largest score within `reach` of a place, if any is seen there.
-std::optional<int> BestColumn(const std::vector<double>& scores, double column, int reach) {
-  const auto middle = static_cast<int>(std::lround(column));
-  std::optional<int> best;
-  for (int k = std::max(0, middle - reach);
-       k <= std::min(static_cast<int>(scores.size()) - 1, middle + reach); ++k) {
-    if (scores[k] > 0.0 && (!best || scores[k] > scores[*best])) best = k;
-  }
-  return best;
-}
-
-struct Peak {
-  double distance_m{}, score{};
+/// A distance tried, and the logarithm of how likely it is, but for a constant.
+struct Tried {
+  double distance_m{}, log_odds{};
 };
 
-/// Maxima that no stronger one is near; the strongest first.
-std::vector<Peak> Peaks(const std::vector<std::pair<double, double>>& scores) {
-  std::vector<Peak> all, peaks;
-  for (const auto& [distance_m, score] : scores) all.push_back({distance_m, score});
-  std::stable_sort(all.begin(), all.end(),
-                   [](const Peak& a, const Peak& b) { return a.score > b.score; });
-  for (const Peak& one : all) {
-    if (one.score < 0.5 * all.front().score) break;
-    const bool near_stronger = std::any_of(peaks.begin(), peaks.end(), [&](const Peak& other) {
-      return std::abs(one.distance_m / other.distance_m - 1.0) < kApart;
-    });
-    if (!near_stronger) peaks.push_back(one);
+/// The likeliest stretch: where it lies, and how far the truth may be from there, in that stretch
+/// or any other. Distances are as likely as each other before anything is seen.
+RangedLandmark Likeliest(const std::vector<Tried>& tried) {
+  double most = -HUGE_VAL;
+  for (const Tried& one : tried) most = std::max(most, one.log_odds);
+  std::vector<double> share;  // distances tried lie closer together where they are short
+  for (const Tried& one : tried) share.push_back(one.distance_m * std::exp(one.log_odds - most));
+  double all = 0.0, best = -1.0, mean_m = 0.0;
+  for (std::size_t i = 0; i < tried.size(); ++i) {
+    all += share[i];
+    double sum = 0.0, first = 0.0;
+    for (std::size_t j = 0; j < tried.size(); ++j) {
+      if (std::abs(tried[j].distance_m - tried[i].distance_m) > kTogether_m) continue;
+      sum += share[j];
+      first += share[j] * tried[j].distance_m;
+    }
+    if (sum <= best) continue;
+    best = sum;
+    mean_m = first / sum;
   }
-  return peaks;
+  double variance = 0.0;
+  for (std::size_t i = 0; i < tried.size(); ++i)
+    variance += share[i] / all * std::pow(tried[i].distance_m - mean_m, 2.0);
+  return {mean_m, std::sqrt(variance)};
 }
 
 }  // namespace
 
 LandmarkTracker::LandmarkTracker(const robot::Description& description, const robot::Camera& camera,
-                                 const LandmarkParameters& parameters, LandmarkKind kind,
-                                 const KnownSizes& sizes)
+                                 double baseline_m, const LandmarkParameters& parameters,
+                                 LandmarkKind kind, const KnownSizes& sizes)
     : camera_(camera),
       parameters_(parameters),
       kind_(kind),
       sizes_(sizes),
+      baseline_m_(baseline_m),
       camera_height_m_(CameraHeight(sizes.pipe_diameter_m)),
       lamps_(LampsBefore(description, camera)) {
-  if (ClassOf(kind) != LandmarkClass::kInlet)
-    scan_.emplace(camera, sizes.pipe_diameter_m / 2.0, parameters.near_m, parameters.far_m + 0.3);
+  const double radius_m = sizes.pipe_diameter_m / 2.0;
+  if (ClassOf(kind) == LandmarkClass::kInlet) return;
+  scan_.emplace(camera, radius_m, parameters.near_m, parameters.far_m + 0.3);
+  if (kind != LandmarkKind::kManhole) return;
+  shaft_.emplace(
+      camera, lamps_, radius_m,
+      sizes.shaft_diameter_m > 0.0 ? sizes.shaft_diameter_m : sizes.pipe_diameter_m + kWidening_m);
 }
 
-std::optional<RangedLandmark> LandmarkTracker::Update(const cv::Mat& brightness, double travel_m) {
-  pose_ = FindWallPose(brightness, camera_, lamps_, sizes_.pipe_diameter_m / 2.0, camera_height_m_);
-  Sight sight{travel_m, pose_, {}, {}};
-  if (scan_) {
-    sight.rings = scan_->Scan(brightness, pose_);
-  } else {
-    sight.log_brightness = LogBrightness(brightness);
+std::optional<RangedLandmark> LandmarkTracker::Update(const cv::Mat& brightness,
+                                                      const cv::Mat& right, double travel_m) {
+  const double radius_m = sizes_.pipe_diameter_m / 2.0;
+  if (sights_.empty())
+    motion_.pose = FindWallPose(brightness, camera_, lamps_, radius_m, camera_height_m_);
+  if (!right.empty()) sights_.push_back({LogBrightness(right), travel_m, baseline_m_, {}, {}, {}});
+  sights_.push_back({LogBrightness(brightness), travel_m, 0.0, {}, {}, {}});
+  const std::size_t most = kPictures * (right.empty() ? 1 : 2);
+  if (sights_.size() > most)
+    sights_.erase(sights_.begin(), sights_.end() - static_cast<std::ptrdiff_t>(most));
+  std::vector<WallSight> passing;
+  for (const Sight& sight : sights_)
+    passing.push_back({sight.log_brightness, sight.travel_m, sight.right_m});
+  motion_ = FollowWall(camera_, radius_m, passing, motion_.pose);
+  Scan();
+  if (!scan_) return FindInlet();
+  return shaft_ ? FindMouth() : FindJoint();
+}
+
+void LandmarkTracker::Scan() {
+  for (Sight& sight : sights_) {
+    sight.pose = SeenFrom(motion_.pose, sight.right_m);
+    if (sight.right_m != 0.0) sight.pose.lean.x() += motion_.turned_px / camera_.focal_px;
+    if (scan_) sight.rings = scan_->Scan(sight.log_brightness, sight.pose, shaft_.has_value());
+    if (shaft_) sight.shaft = shaft_->Take(sight.log_brightness, sight.pose);
   }
-  sights_.push_back(std::move(sight));
-  if (sights_.size() > kSights) sights_.erase(sights_.begin());
-  return scan_ ? FindRing() : FindInlet();
+}
+
+/// How far what is at a distance from the last left picture is from where another one was taken.
+double LandmarkTracker::Ahead(const Sight& sight, double distance_m) const {
+  return distance_m + motion_.travel_scale * (sights_.back().travel_m - sight.travel_m) -
+         sight.right_m * motion_.pose.lean.x();
 }
 
 /// What all pictures together say of a ring at this distance from the last one.
-double LandmarkTracker::ScoreAt(double distance_m, bool mouth) const {
+double LandmarkTracker::SumAt(double distance_m, PickScores pick) const {
   double sum = 0.0;
   int seen = 0;
   for (const Sight& sight : sights_) {
-    const double there_m = distance_m + sights_.back().travel_m - sight.travel_m;
-    const auto& scores = mouth ? sight.rings.mouth : sight.rings.joint;
-    const auto column = BestColumn(scores.significance, sight.rings.ColumnOf(there_m), 1);
-    if (!column) continue;
-    sum += scores.significance[*column];
+    const std::vector<double>& scores = pick(sight.rings).significance;
+    const double column = sight.rings.ColumnOf(Ahead(sight, distance_m));
+    const auto k = static_cast<int>(std::floor(column));
+    if (k < 0 || k + 1 >= static_cast<int>(scores.size())) continue;
+    const double score = scores[k] + (column - k) * (scores[k + 1] - scores[k]);
+    if (score < RingScan::kUnseen / 2.0) continue;
+    sum += score;
     ++seen;
   }
-  return seen == 0 ? 0.0 : sum / std::sqrt(seen);
+  return seen == 0 ? RingScan::kUnseen : sum / std::sqrt(seen);
 }
 
-/// How much worse a line explains what is seen about this distance than a step does: below 1 it is
-/// a mouth rather than a joint.
-double LandmarkTracker::StepOverLine(double distance_m) const {
-  RingScan::Misfit all;
-  for (const Sight& sight : sights_) {
-    const double column =
-        sight.rings.ColumnOf(distance_m + sights_.back().travel_m - sight.travel_m);
-    const auto line = BestColumn(sight.rings.joint.significance, column, kEcho_px);
-    const auto step = BestColumn(sight.rings.mouth.significance, column, kEcho_px);
-    if (!line || !step) continue;
-    const RingScan::Misfit misfit = RingScan::Compare(sight.rings, *line, *step);
-    all.line += misfit.line;
-    all.step += misfit.step;
-  }
-  return all.line > 0.0 ? all.step / all.line : 1.0;
+/// With what a ring's radius says that is off by so many pixels in the last picture.
+RangedLandmark LandmarkTracker::Doubted(const RangedLandmark& found, double pixels) const {
+  const double off_m = pixels * found.distance_m * found.distance_m /
+                       (camera_.focal_px * sizes_.pipe_diameter_m / 2.0);
+  return {found.distance_m, std::hypot(found.deviation_m, off_m)};
 }
 
-std::optional<RangedLandmark> LandmarkTracker::FindRing() const {
-  const bool mouth = kind_ == LandmarkKind::kManhole;
-  std::vector<std::pair<double, double>> scores;  // by distance
+std::optional<RangedLandmark> LandmarkTracker::FindJoint() const {
+  constexpr PickScores kBright = [](const RingScan::Scanned& s) -> const auto& { return s.bright; };
+  constexpr PickScores kDark = [](const RingScan::Scanned& s) -> const auto& { return s.dark; };
+  std::vector<Tried> tried;
   for (double d = parameters_.near_m; d <= parameters_.far_m; d *= 1.0 + kStep)
-    scores.emplace_back(d, ScoreAt(d, mouth));
-  std::vector<Peak> rings = Peaks(scores);
-  double best = 0.0;
-  for (const Peak& ring : rings) best = std::max(best, ring.score);
-  std::erase_if(rings, [&](const Peak& ring) {
-    if (ring.score < kLeast) return true;
-    const double ratio = StepOverLine(ring.distance_m);
-    return mouth ? ratio > kPerhapsStep : ratio < kSurelyStep;
-  });
-  best = 0.0;
-  for (const Peak& ring : rings) best = std::max(best, ring.score);
-  std::erase_if(rings, [&](const Peak& ring) {
-    return ring.score < kLeast || ring.score < kNearestShare * best;
-  });
-  const auto nearest =
-      std::min_element(rings.begin(), rings.end(),
-                       [](const Peak& a, const Peak& b) { return a.distance_m < b.distance_m; });
-  if (nearest == rings.end()) return {};
+    tried.push_back({d, kJointWeight * std::max(SumAt(d, kBright), SumAt(d, kDark))});
+  RangedLandmark found = Likeliest(tried);
+  const bool bright = SumAt(found.distance_m, kBright) > SumAt(found.distance_m, kDark);
+  found.distance_m = RefineJoint(found.distance_m, bright ? kBright : kDark);
+  return Doubted(found, kJointPixels);
+}
 
+double LandmarkTracker::RefineJoint(double distance_m, PickScores pick) const {
   double weights = 0.0, sum = 0.0;
   for (const Sight& sight : sights_) {
-    const double travel_m = sights_.back().travel_m - sight.travel_m;
-    const auto& all = (mouth ? sight.rings.mouth : sight.rings.joint).significance;
-    const auto k = BestColumn(all, sight.rings.ColumnOf(nearest->distance_m + travel_m), 2);
-    if (!k) continue;
-    const double there_m = sight.rings.DistanceOf(RingScan::Refine(sight.rings, mouth, *k).column);
-    const double pixel_m = there_m * there_m / sight.rings.ring_px_m * kPixel;
-    const double drift_m = kOdometry * travel_m;
-    const double weight = std::min(all[*k], 15.0) / 15.0 / (pixel_m * pixel_m + drift_m * drift_m);
+    const double ahead_m = Ahead(sight, distance_m) - distance_m;
+    const RingScan::Scores& scores = pick(sight.rings);
+    const auto middle = static_cast<int>(std::lround(sight.rings.ColumnOf(distance_m + ahead_m)));
+    if (middle < 2 || middle + 2 >= static_cast<int>(scores.significance.size())) continue;
+    const auto first = scores.significance.begin() + middle - 2;
+    const auto best =
+        static_cast<int>(std::max_element(first, first + 5) - scores.significance.begin());
+    if (scores.significance[best] < 1.0) continue;
+    const double there_m =
+        sight.rings.DistanceOf(RingScan::Refine(sight.rings, scores, best).column);
+    const double weight = std::min(scores.significance[best], 10.0) / std::pow(there_m, 4.0);
     weights += weight;
-    sum += weight * (there_m - travel_m);
+    sum += weight * (there_m - ahead_m);
   }
-  if (weights <= 0.0) return {};
-  return RangedLandmark{sum / weights, std::sqrt(1.0 / weights), nearest->score};
+  return weights > 0.0 ? sum / weights : distance_m;
+}
+
+/// A step shows at the mouth, unless a channel's wall goes on smoothly; behind it, the picture is
+/// brighter than a pipe's wall would be, and where the channel goes straight on or ends the far
+/// wall of the shaft stands out, or where it turns its walls' edges.
+std::optional<RangedLandmark> LandmarkTracker::FindMouth() const {
+  constexpr PickScores kMouth = [](const RingScan::Scanned& s) -> const auto& { return s.mouth; };
+  std::vector<Tried> tried;
+  for (double d = parameters_.near_m; d <= parameters_.far_m; d *= 1.0 + kStep) {
+    double behind = 0.0;
+    for (const Sight& sight : sights_) {
+      const double there_m = Ahead(sight, d);
+      const ShaftView::EndWall end = shaft_->EndWallAt(sight.shaft, there_m);
+      const ShaftView::Turn turn = shaft_->TurnAt(sight.shaft, there_m);
+      behind += kSidesWeight * std::min(end.Sides(), kMostSides) + kEndWallWeight * end.All() +
+                kOuterWeight * turn.outer + kInnerWeight * turn.inner +
+                kJumpWeight * shaft_->Jump(sight.shaft, there_m);
+    }
+    tried.push_back({d, kStepWeight * std::clamp(SumAt(d, kMouth), kLeastStep, kMostStep) +
+                            behind / static_cast<double>(sights_.size())});
+  }
+  return Doubted(Likeliest(tried), kMouthPixels);
 }
 
 std::optional<RangedLandmark> LandmarkTracker::FindInlet() const {
@@ -195,7 +231,7 @@ std::optional<RangedLandmark> LandmarkTracker::FindInlet() const {
     }
   }
   if (best.score < kLeastInlet) return {};
-  return RangedLandmark{best.distance_m, kInletDeviation * best.distance_m, best.score};
+  return RangedLandmark{best.distance_m, kInletDeviation * best.distance_m};
 }
 
 /// Mean of what the wall about an inlet's mouth is brighter than the mouth, in logarithms, over all
@@ -207,7 +243,7 @@ double LandmarkTracker::ScoreOf(const InletFit& fit) const {
   double sum = 0.0;
   int seen = 0;
   for (const Sight& sight : sights_) {
-    const double there_m = fit.distance_m + sights_.back().travel_m - sight.travel_m;
+    const double there_m = Ahead(sight, fit.distance_m);
     WallPose pose = sight.pose;
     pose.off_m += fit.off_m;
     const PipeWall wall(camera_, pipe_m, pose);

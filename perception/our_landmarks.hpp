@@ -5,6 +5,8 @@
 
 #include "perception/landmark_distance.hpp"
 #include "perception/ring_scan.hpp"
+#include "perception/shaft_view.hpp"
+#include "perception/wall_motion.hpp"
 #include "perception/wall_pose.hpp"
 
 namespace kantaro::perception {
@@ -13,29 +15,34 @@ namespace kantaro::perception {
 struct RangedLandmark {
   double distance_m{};
   double deviation_m{};
-  double significance{};
 };
 
-/// Follows an approach to one landmark with one camera (`ours`, docs/localisation.md). The wall's
-/// pose is found in each picture; what speaks for the landmark at each distance is added up over
-/// the pictures, which odometry lays over each other; what is found is measured in each of them.
+/// Follows an approach to one landmark with one camera or a pair (`ours`, docs/localisation.md).
+/// How the pipe lies is found from the fall of light in the first picture and from the wall's
+/// texture as it passes in the next ones; what speaks for the landmark at each distance is added up
+/// over all pictures of both cameras.
 class LandmarkTracker {
  public:
+  /// @param camera      the only one, or the left one of the pair
+  /// @param baseline_m  of the pair; 0 for a single camera
   LandmarkTracker(const robot::Description& description, const robot::Camera& camera,
-                  const LandmarkParameters& parameters, LandmarkKind kind, const KnownSizes& sizes);
+                  double baseline_m, const LandmarkParameters& parameters, LandmarkKind kind,
+                  const KnownSizes& sizes);
 
-  /// @param brightness  rectified, of the camera's size. @returns nothing if nothing is seen
-  [[nodiscard]] std::optional<RangedLandmark> Update(const cv::Mat& brightness, double travel_m);
-
-  /// Pose of the wall in the last picture.
-  [[nodiscard]] const WallPose& pose() const { return pose_; }
+  /// @param brightness  rectified, of the camera's size
+  /// @param right       of the right camera; empty for a single one
+  /// @returns nothing if nothing is seen
+  [[nodiscard]] std::optional<RangedLandmark> Update(const cv::Mat& brightness,
+                                                     const cv::Mat& right, double travel_m);
 
  private:
   struct Sight {
+    cv::Mat log_brightness;
     double travel_m{};
-    WallPose pose;
+    double right_m{};         ///< of the camera from the left one
+    WallPose pose;            ///< before this camera
     RingScan::Scanned rings;  ///< unless an inlet is looked for
-    cv::Mat log_brightness;   ///< for inlets
+    ShaftView::Sight shaft;   ///< if a manhole is
   };
 
   /// A side inlet's mouth: where the pipe's wall and a branch of known diameter meet.
@@ -45,21 +52,27 @@ class LandmarkTracker {
     double score{};
   };
 
+  void Scan();
+  [[nodiscard]] double Ahead(const Sight& sight, double distance_m) const;
   [[nodiscard]] double ScoreOf(const InletFit& fit) const;
-  [[nodiscard]] std::optional<RangedLandmark> FindRing() const;
+  [[nodiscard]] std::optional<RangedLandmark> FindJoint() const;
+  [[nodiscard]] std::optional<RangedLandmark> FindMouth() const;
   [[nodiscard]] std::optional<RangedLandmark> FindInlet() const;
-  [[nodiscard]] double StepOverLine(double distance_m) const;
-  [[nodiscard]] double ScoreAt(double distance_m, bool mouth) const;
+  using PickScores = const RingScan::Scores& (*)(const RingScan::Scanned&);
+  [[nodiscard]] double SumAt(double distance_m, PickScores pick) const;
+  [[nodiscard]] double RefineJoint(double distance_m, PickScores pick) const;
+  [[nodiscard]] RangedLandmark Doubted(const RangedLandmark& found, double pixels) const;
 
   robot::Camera camera_;
   LandmarkParameters parameters_;
   LandmarkKind kind_;
   KnownSizes sizes_;
-  double camera_height_m_;
+  double baseline_m_, camera_height_m_;
   std::vector<Eigen::Vector3d> lamps_;
   std::optional<RingScan> scan_;
-  std::vector<Sight> sights_;
-  WallPose pose_;
+  std::optional<ShaftView> shaft_;
+  std::vector<Sight> sights_;  ///< the left camera's last one is the last
+  WallMotion motion_;
 };
 
 }  // namespace kantaro::perception

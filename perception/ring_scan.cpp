@@ -1,74 +1,125 @@
 #include "perception/ring_scan.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
-#include <optional>
 #include <stdexcept>
+#include <tuple>
 
 namespace kantaro::perception {
 namespace {
 
-constexpr int kCenterSearch_px = 18, kCenterStep_px = 2;
-constexpr double kPoseError_m = 0.004,
-                 kPoseError_px = 2.0;  ///< of the axis, where the pose puts it
+constexpr int kCenterSearch_px = 10;
+constexpr double kPoseError_m = 0.003,
+                 kPoseError_px = 1.0;  ///< of the axis, where the pose puts it
 constexpr double kGroove_m = 0.012;
-constexpr double kLeastVisible = 0.5;
-constexpr double kCorrelated = 3.0;  ///< neighbouring directions that show one stain
+constexpr double kEitherShare = 10.0, kLeastEither = -0.35;
+constexpr int kLineReach = 13;
+constexpr float kMostSay = 2.5F, kFewestSectors = 6.0F;
 
-/// What a mean over the visible directions would vary by in mere texture, at each column: from the
-/// scatter about each group's mean. The median of a neighbourhood, so that rings do not count.
-std::vector<double> Chance(const cv::Mat& contrast, const Polar& polar, const Groups& groups) {
-  const int columns = polar.columns();
-  std::vector<double> variance(static_cast<std::size_t>(columns), HUGE_VAL),
-      counts(variance.size());
-  for (int k = 0; k < columns; ++k) {
-    double squares = 0.0;
-    for (const auto& group : groups) {
-      double sum = 0.0, own = 0.0, count = 0.0;
-      for (const int t : group) {
-        if (!polar.Visible(t, k)) continue;
-        const double value = contrast.at<float>(t, k);
-        sum += value;
-        own += value * value;
-        count += 1.0;
-      }
-      if (count > 0.0) squares += own - sum * sum / count;
-      counts[k] += count;
+/// As Measure's, for lines that a lens has blurred: averages as much as a line's width lets it.
+cv::Mat LineContrast(const Polar& polar, const Optics& optics) {
+  cv::Mat contrast = cv::Mat::zeros(polar.value.size(), CV_32F);
+  std::vector<float> sums(static_cast<std::size_t>(polar.columns()) + 1);
+  for (int t = 0; t < kDirections; ++t) {
+    const float* const value = polar.value.ptr<float>(t);
+    for (int k = 0; k < polar.columns(); ++k) sums[k + 1] = sums[k] + value[k];
+    const auto mean = [&](int from, int to) {
+      return (sums[to + 1] - sums[from]) / static_cast<float>(to - from + 1);
+    };
+    for (int k = kLineReach; k < polar.columns() - kLineReach; ++k) {
+      if (!polar.Visible(t, k - kLineReach) || !polar.Visible(t, k + kLineReach)) continue;
+      const int half = std::clamp(
+          static_cast<int>(std::lround(optics.LineWidth(polar.first_px + k) / 2.0 - 0.5)), 0, 8);
+      const float line = 0.25F * mean(k - 1 - half, k - 1 + half) +
+                         0.50F * mean(k - half, k + half) +
+                         0.25F * mean(k + 1 - half, k + 1 + half);
+      const int inner = half + 3, outer = half + 5;
+      contrast.at<float>(t, k) =
+          std::clamp(line - (mean(k - outer, k - inner) + mean(k + inner, k + outer)) / 2.0F,
+                     -kLargestVote, kLargestVote);
     }
-    if (counts[k] > 0.0 && squares > 0.0) variance[k] = squares / counts[k];
   }
-  constexpr int kHalf = 25;
-  std::vector<double> chance(variance.size(), HUGE_VAL);
-  for (int k = 0; k < columns; ++k) {
-    if (counts[k] == 0.0) continue;
-    std::vector<double> near(variance.begin() + std::max(0, k - kHalf),
-                             variance.begin() + std::min(columns, k + kHalf + 1));
-    std::erase(near, HUGE_VAL);
-    if (near.empty()) continue;
-    const auto middle = near.begin() + static_cast<std::ptrdiff_t>(near.size() / 2);
-    std::nth_element(near.begin(), middle, near.end());
-    chance[k] = std::sqrt(kCorrelated * *middle / counts[k]) + 1e-4;
+  return contrast;
+}
+
+constexpr int kSectors = 24, kOfSector = kDirections / kSectors;
+constexpr int kMouthSectors = 5;  ///< to either side of the crown: 82.5°
+
+/// Contrast of each sector by column, over its scatter nearby; NaN where too little is seen.
+cv::Mat Standardised(const cv::Mat& contrast, const Polar& polar) {
+  const int columns = polar.columns();
+  cv::Mat mean(kSectors, columns, CV_32F);
+  for (int j = 0; j < kSectors; ++j) {
+    float* const row = mean.ptr<float>(j);
+    for (int k = 0; k < columns; ++k) {
+      float sum = 0.0F;
+      int seen = 0;
+      for (int i = 0; i < kOfSector; ++i) {
+        const int t = (j * kOfSector + i - kOfSector / 2 + kDirections) % kDirections;
+        if (!polar.Visible(t, k)) continue;
+        sum += contrast.at<float>(t, k);
+        ++seen;
+      }
+      row[k] = 2 * seen < kOfSector ? NAN : sum / static_cast<float>(seen);
+    }
   }
-  return chance;
+  constexpr int kHalf = 25, kEvery = 5;
+  constexpr float kLeast = 0.004F;
+  cv::Mat standard(kSectors, columns, CV_32F);
+  std::vector<float> near;
+  for (int j = 0; j < kSectors; ++j) {
+    const float* const row = mean.ptr<float>(j);
+    float scatter = kLeast;
+    for (int k = 0; k < columns; ++k) {
+      if (k % kEvery == 0) {
+        near.clear();
+        for (int i = std::max(0, k - kHalf); i < std::min(columns, k + kHalf + 1); ++i) {
+          if (!std::isnan(row[i])) near.push_back(std::abs(row[i]));
+        }
+        if (near.size() > 10) {
+          const auto middle = near.begin() + static_cast<std::ptrdiff_t>(near.size() / 2);
+          std::nth_element(near.begin(), middle, near.end());
+          scatter = std::max(kLeast, 1.4826F * *middle);
+        }
+      }
+      standard.at<float>(j, k) = row[k] / scatter;
+    }
+  }
+  return standard;
+}
+
+/// How much more likely a standardised contrast is where there is a ring, which may be bright in
+/// one place and dark in the next, or hidden; mere texture has heavy tails (Student, 3 degrees of
+/// freedom).
+float Evidence(float z) {
+  constexpr float kSeen = 0.7F, kWidest = 12.0F;
+  const float q = 1.0F + z * z / 3.0F;
+  const float texture = 0.3676F / (q * q);
+  const float ring = std::abs(z) < kWidest ? 0.5F / kWidest : 0.02F;
+  return std::log((1.0F - kSeen) + kSeen * ring / texture);
 }
 
 struct Center {
   cv::Point offset;
-  std::vector<int> shifts;  ///< of each direction's column
+  std::array<int, kSectors> shifts{};  ///< of each sector's column
 };
 
 const std::vector<Center>& Centers() {
   static const std::vector<Center> centers = [] {
     std::vector<Center> all;
-    for (int y = -kCenterSearch_px; y <= kCenterSearch_px; y += kCenterStep_px) {
-      for (int x = -kCenterSearch_px; x <= kCenterSearch_px; x += kCenterStep_px) {
-        if (x * x + y * y > kCenterSearch_px * kCenterSearch_px) continue;
+    for (int y = -kCenterSearch_px; y <= kCenterSearch_px; ++y) {
+      for (int x = -kCenterSearch_px; x <= kCenterSearch_px; ++x) {
+        const int off2 = x * x + y * y;
+        if (off2 > kCenterSearch_px * kCenterSearch_px) continue;
+        if (off2 > 18 && (x % 2 != 0 || y % 2 != 0)) continue;
         Center center{{x, y}, {}};
-        for (const cv::Point2d& u : Directions())
-          center.shifts.push_back(static_cast<int>(std::lround(x * u.x + y * u.y)));
-        all.push_back(std::move(center));
+        for (int j = 0; j < kSectors; ++j) {
+          const cv::Point2d& u = Directions()[j * kOfSector];
+          center.shifts[j] = static_cast<int>(std::lround(x * u.x + y * u.y));
+        }
+        all.push_back(center);
       }
     }
     return all;
@@ -76,71 +127,64 @@ const std::vector<Center>& Centers() {
   return centers;
 }
 
-/// For each column the centre of most contrast, less what its distance from where it should be
-/// speaks against it.
-RingScan::Scores Score(const cv::Mat& contrast, const Polar& polar, const Groups& groups, int pad,
-                       double radius_m) {
-  const auto chance = Chance(contrast, polar, groups);
-  const auto visible = CountVisible(polar, groups);
-  const int columns = polar.columns(), end = columns - pad;
-  std::size_t all = 0;
-  for (const auto& group : groups) all += group.size();
+RingScan::Scores NoScores(int columns) {
   RingScan::Scores scores;
-  scores.significance.resize(static_cast<std::size_t>(columns));
-  scores.contrast.resize(scores.significance.size());
+  scores.significance.assign(static_cast<std::size_t>(columns), RingScan::kUnseen);
   scores.offset.resize(scores.significance.size());
-  std::vector<float> total(static_cast<std::size_t>(columns)), sum(total.size()),
-      first(total.size()), second(total.size()), first_size(total.size());
+  return scores;
+}
+
+double Against(const Center& center, int radius_px, double radius_m) {
+  const double error_px = kPoseError_px + kPoseError_m * radius_px / radius_m;
+  return 0.5 * center.offset.dot(center.offset) / (error_px * error_px);
+}
+
+void Offer(RingScan::Scores& scores, int k, double score, const Center& center) {
+  if (score <= scores.significance[k]) return;
+  scores.significance[k] = score;
+  scores.offset[k] = center.offset;
+}
+
+/// Joints, bright and dark: for each column the centre of most contrast, less what its distance
+/// from where it should be speaks against it. One sector has a limited say, for a joint goes all
+/// round; where it is a speckled line, each sector's contrast of either sign counts.
+std::pair<RingScan::Scores, RingScan::Scores> ScoreJoints(const cv::Mat& contrast,
+                                                          const Polar& polar, int pad,
+                                                          double radius_m) {
+  const cv::Mat standard = Standardised(contrast, polar);
+  const int columns = polar.columns(), end = columns - pad;
+  cv::Mat say(standard.size(), CV_32F), evidence(standard.size(), CV_32F);
+  std::vector<float> total(static_cast<std::size_t>(columns)), count(total.size()),
+      either(total.size());
+  for (int j = 0; j < kSectors; ++j) {
+    for (int k = 0; k < columns; ++k) {
+      const float z = standard.at<float>(j, k);
+      const bool seen = !std::isnan(z);
+      say.at<float>(j, k) = seen ? std::clamp(z, -kMostSay, kMostSay) : 0.0F;
+      evidence.at<float>(j, k) = seen ? Evidence(z) : 0.0F;
+      count[k] += seen ? 1.0F : 0.0F;
+    }
+  }
+  std::pair<RingScan::Scores, RingScan::Scores> scores{NoScores(columns), NoScores(columns)};
   for (const Center& center : Centers()) {
     std::fill(total.begin(), total.end(), 0.0F);
-    std::fill(first.begin(), first.end(), 0.0F);
-    std::fill(second.begin(), second.end(), 0.0F);
-    for (const auto& group : groups) {
-      std::fill(sum.begin(), sum.end(), 0.0F);
-      for (const int t : group) {
-        const float* const row =
-            contrast.ptr<float>(t) + center.shifts[static_cast<std::size_t>(t)];
-        for (int k = pad; k < end; ++k) sum[k] += row[k];
-      }
-      const float size = static_cast<float>(group.size());
+    std::fill(either.begin(), either.end(), 0.0F);
+    for (int j = 0; j < kSectors; ++j) {
+      const float* const row = say.ptr<float>(j) + center.shifts[j];
+      const float* const other = evidence.ptr<float>(j) + center.shifts[j];
       for (int k = pad; k < end; ++k) {
-        const float mean = std::abs(sum[k]) / size;
-        total[k] += std::abs(sum[k]);
-        // Largest and second largest of the groups' means.
-        second[k] = std::max(second[k], std::min(mean, first[k]));
-        if (mean > first[k]) {
-          first[k] = mean;
-          first_size[k] = size;
-        }
+        total[k] += row[k];
+        either[k] += other[k];
       }
     }
-    // A mouth is more than one shoulder: an inlet shows there too.
-    if (groups.size() > 1) {
-      for (int k = pad; k < end; ++k)
-        total[k] -= first_size[k] * std::max(0.0F, first[k] - 2.0F * second[k]);
-    }
-    const double off2 = center.offset.dot(center.offset);
     for (int k = pad; k < end; ++k) {
-      if (visible[k] < kLeastVisible * static_cast<double>(all)) continue;
-      const double error_px = kPoseError_px + kPoseError_m * (polar.first_px + k) / radius_m;
-      const double mean = static_cast<double>(total[k]) / visible[k];
-      const double score = mean / chance[k] - 0.5 * off2 / (error_px * error_px);
-      if (score <= scores.significance[k]) continue;
-      scores.significance[k] = score;
-      scores.contrast[k] = mean;
-      scores.offset[k] = center.offset;
+      if (count[k] < kFewestSectors) continue;
+      const double mean = total[k] / std::sqrt(count[k]);
+      const double rest = kEitherShare * std::max<double>(kLeastEither, either[k] / count[k]) -
+                          Against(center, polar.first_px + k, radius_m);
+      Offer(scores.first, k, mean + rest, center);
+      Offer(scores.second, k, rest - mean, center);
     }
-  }
-  // The best of so many centres stands out in mere texture too: only what exceeds that counts.
-  std::vector<double> seen;
-  for (const double one : scores.significance) {
-    if (one > 0.0) seen.push_back(one);
-  }
-  if (seen.empty()) return scores;
-  const auto middle = seen.begin() + static_cast<std::ptrdiff_t>(seen.size() / 2);
-  std::nth_element(seen.begin(), middle, seen.end());
-  for (double& one : scores.significance) {
-    if (one > 0.0) one = std::max(1e-3, one - *middle);
   }
   return scores;
 }
@@ -172,40 +216,32 @@ double ContrastAt(const cv::Mat& contrast, const Polar& polar, const Groups& gro
   return all == 0 ? 0.0 : sum / all;
 }
 
-/// Mean log brightness over a group's visible directions; nothing if too few are.
-std::optional<double> Mean(const Polar& polar, const std::vector<int>& group, double k,
-                           cv::Point2d offset) {
-  double sum = 0.0;
-  std::size_t seen = 0;
-  for (const int t : group) {
-    const double column = k + offset.dot(Directions()[t]);
-    if (column < 1.0 || column > polar.columns() - 2.0 ||
-        !polar.Visible(t, static_cast<int>(column)))
-      continue;
-    sum += Sample(polar.value, t, column);
-    ++seen;
+/// Mouths: a step of any sign in each sector of the crown and shoulders; lower down the channel
+/// goes on like the pipe.
+RingScan::Scores ScoreMouths(const cv::Mat& contrast, const Polar& polar, int pad,
+                             double radius_m) {
+  const cv::Mat standard = Standardised(contrast, polar);
+  const int columns = polar.columns(), end = columns - pad;
+  cv::Mat evidence(standard.size(), CV_32F);
+  for (int j = 0; j < kSectors; ++j) {
+    for (int k = 0; k < columns; ++k) {
+      const float z = standard.at<float>(j, k);
+      evidence.at<float>(j, k) = std::isnan(z) ? 0.0F : Evidence(z);
+    }
   }
-  if (3 * seen < group.size()) return {};
-  return sum / static_cast<double>(seen);
-}
-
-/// Sum of squares that a + b k + c shape(k − ring's column) leaves of a group's mean profile.
-template <typename Shape>
-double Residual(const Polar& polar, const std::vector<int>& group, const RingScan::Ring& ring,
-                int from, int to, Shape shape) {
-  Eigen::MatrixX3d terms(to - from + 1, 3);
-  Eigen::VectorXd profile(to - from + 1);
-  int rows = 0;
-  for (int k = from; k <= to; ++k) {
-    const auto mean = Mean(polar, group, k, ring.offset);
-    if (!mean) continue;
-    profile[rows] = *mean;
-    terms.row(rows++) << 1.0, k - ring.column, shape(k - ring.column);
+  RingScan::Scores scores = NoScores(columns);
+  std::vector<float> total(static_cast<std::size_t>(columns));
+  for (const Center& center : Centers()) {
+    std::fill(total.begin(), total.end(), 0.0F);
+    for (int j = 0; j < kSectors; ++j) {
+      if (std::min(j, kSectors - j) > kMouthSectors) continue;
+      const float* const row = evidence.ptr<float>(j) + center.shifts[j];
+      for (int k = pad; k < end; ++k) total[k] += row[k];
+    }
+    for (int k = pad; k < end; ++k)
+      Offer(scores, k, total[k] - Against(center, polar.first_px + k, radius_m), center);
   }
-  if (rows < 6) return 0.0;
-  const Eigen::MatrixX3d used = terms.topRows(rows);
-  const Eigen::Vector3d solved = used.colPivHouseholderQr().solve(profile.head(rows));
-  return (profile.head(rows) - used * solved).squaredNorm();
+  return scores;
 }
 
 }  // namespace
@@ -245,24 +281,27 @@ Polar RingScan::Unroll(const cv::Mat& log_brightness, const WallPose& pose) cons
   return polar;
 }
 
-RingScan::Scanned RingScan::Scan(const cv::Mat& brightness, const WallPose& pose) const {
+RingScan::Scanned RingScan::Scan(const cv::Mat& log_brightness, const WallPose& pose,
+                                 bool mouth) const {
   Scanned scanned;
   scanned.ring_px_m = optics_.ring_px_m;
-  scanned.polar = Unroll(LogBrightness(brightness), pose);
+  scanned.polar = Unroll(log_brightness, pose);
   scanned.first_px = scanned.polar.first_px;
-  scanned.contrasts = Measure(scanned.polar, optics_, kLargestVote, kLargestVote);
-  scanned.joint = Score(scanned.contrasts.line, scanned.polar, AllRound(), pad_px_, pipe_radius_m_);
-  scanned.mouth =
-      Score(scanned.contrasts.step, scanned.polar, CrownAndShoulders(), pad_px_, pipe_radius_m_);
+  if (mouth) {
+    scanned.mouth = ScoreMouths(Measure(scanned.polar, optics_, kLargestVote, kLargestVote).step,
+                                scanned.polar, pad_px_, pipe_radius_m_);
+  } else {
+    scanned.line = LineContrast(scanned.polar, optics_);
+    std::tie(scanned.bright, scanned.dark) =
+        ScoreJoints(scanned.line, scanned.polar, pad_px_, pipe_radius_m_);
+  }
   return scanned;
 }
 
-RingScan::Ring RingScan::Refine(const Scanned& scanned, bool mouth, int column) {
-  const cv::Mat& contrast = mouth ? scanned.contrasts.step : scanned.contrasts.line;
-  const Groups& groups = mouth ? CrownAndShoulders() : AllRound();
-  cv::Point2d offset = (mouth ? scanned.mouth : scanned.joint).offset[column];
+RingScan::Ring RingScan::Refine(const Scanned& scanned, const Scores& scores, int column) {
+  cv::Point2d offset = scores.offset[column];
   const auto at = [&](double k, cv::Point2d about) {
-    return ContrastAt(contrast, scanned.polar, groups, k, about);
+    return ContrastAt(scanned.line, scanned.polar, AllRound(), k, about);
   };
   double best = -1.0, best_k = column;
   for (const double step : {1.0, 0.5}) {
@@ -284,28 +323,6 @@ RingScan::Ring RingScan::Refine(const Scanned& scanned, bool mouth, int column) 
   const double bend = before - 2.0 * best + after;
   return {best_k + (bend < 0.0 ? std::clamp((before - after) / (2.0 * bend), -0.5, 0.5) : 0.0),
           offset};
-}
-
-RingScan::Misfit RingScan::Compare(const Scanned& scanned, int line_column, int step_column) {
-  const Ring line = Refine(scanned, false, line_column), step = Refine(scanned, true, step_column);
-  const Optics optics{{}, scanned.ring_px_m, kGroove_m};
-  const double width_px = optics.LineWidth(scanned.first_px + line.column);
-  const int margin = 7 + std::min(static_cast<int>(width_px), 12);
-  const int from = static_cast<int>(std::floor(std::min(line.column, step.column))) - margin;
-  const int to = static_cast<int>(std::ceil(std::max(line.column, step.column))) + margin;
-  Misfit misfit;
-  for (const auto& group : CrownAndShoulders()) {
-    double least = HUGE_VAL;
-    for (const double wide_px : {1.0, 0.5 * width_px, width_px, 1.5 * width_px}) {
-      least = std::min(least, Residual(scanned.polar, group, line, from, to, [&](double k) {
-                         return std::clamp(0.5 + (wide_px / 2.0 - std::abs(k)) / 1.5, 0.0, 1.0);
-                       }));
-    }
-    misfit.line += least;
-    misfit.step += Residual(scanned.polar, group, step, from, to,
-                            [](double k) { return std::clamp(k / 1.5, -1.0, 1.0); });
-  }
-  return misfit;
 }
 
 }  // namespace kantaro::perception

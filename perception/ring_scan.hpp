@@ -17,19 +17,20 @@ namespace kantaro::perception {
 /// small neighbourhood alone. Nothing is judged: scores of several pictures add up first.
 class RingScan {
  public:
-  /// Scores of one sort of ring by column; column k stands for the nominal radius first_px + k.
+  /// Scores by column; column k stands for the nominal radius first_px + k.
   struct Scores {
-    std::vector<double> significance;  ///< contrast over its chance in mere texture; 0: not seen
-    std::vector<double> contrast;      ///< of log brightness
+    std::vector<double> significance;  ///< kUnseen where too little is visible
     std::vector<cv::Point> offset;     ///< of the ring's centre from where the pose puts it [px]
   };
-  /// One picture, scanned.
+  static constexpr double kUnseen = -1e3;
+  /// One picture, scanned for joints or for mouths.
   struct Scanned {
     int first_px{};
     double ring_px_m{};  ///< focal length times the pipe's radius
-    Contrasts contrasts;
     Polar polar;
-    Scores joint, mouth;
+    cv::Mat line;         ///< contrast, for joints
+    Scores bright, dark;  ///< joints brighter, or darker, than the wall
+    Scores mouth;
 
     [[nodiscard]] double DistanceOf(double column) const { return ring_px_m / (first_px + column); }
     [[nodiscard]] double ColumnOf(double distance_m) const {
@@ -40,22 +41,16 @@ class RingScan {
   /// @throws std::invalid_argument for a radius that is not above 0.
   RingScan(const robot::Camera& camera, double pipe_radius_m, double near_m, double far_m);
 
-  [[nodiscard]] Scanned Scan(const cv::Mat& brightness, const WallPose& pose) const;
+  /// @param log_brightness  as LogBrightness makes it
+  [[nodiscard]] Scanned Scan(const cv::Mat& log_brightness, const WallPose& pose, bool mouth) const;
 
   /// A circle in a scanned picture.
   struct Ring {
     double column{};
     cv::Point2d offset;
   };
-  /// A ring near a column, to a fraction of a pixel: the circle of most contrast.
-  [[nodiscard]] static Ring Refine(const Scanned& scanned, bool mouth, int column);
-
-  /// What is left of the brightness across a ring at its crown and shoulders, once a line there, or
-  /// a step (where the wall ends), is taken away: sums of squares.
-  struct Misfit {
-    double line{}, step{};
-  };
-  [[nodiscard]] static Misfit Compare(const Scanned& scanned, int line_column, int step_column);
+  /// A joint near a column, to a fraction of a pixel: the circle of most contrast.
+  [[nodiscard]] static Ring Refine(const Scanned& scanned, const Scores& scores, int column);
 
  private:
   [[nodiscard]] Polar Unroll(const cv::Mat& log_brightness, const WallPose& pose) const;

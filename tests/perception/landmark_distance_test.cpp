@@ -181,6 +181,9 @@ TEST(LandmarkDistance, RefusesSizesThatCannotBe) {
   EXPECT_THROW(make(LandmarkKind::kJoint, {std::nan(""), 0.1}), std::invalid_argument);
   EXPECT_THROW(make(LandmarkKind::kInletLeft, {0.3, 0.0}), std::invalid_argument);
   EXPECT_THROW(make(LandmarkKind::kInletLeft, {0.3, 0.4}), std::invalid_argument);
+  EXPECT_THROW(make(LandmarkKind::kManhole, {0.3, 0.0, 0.3}), std::invalid_argument);
+  EXPECT_THROW(make(LandmarkKind::kManhole, {0.3, 0.0, std::nan("")}), std::invalid_argument);
+  EXPECT_NO_THROW(make(LandmarkKind::kManhole, {0.3, 0.0, 0.8}));
   EXPECT_NO_THROW(make(LandmarkKind::kJoint, {0.3, 0.0}));
 }
 

@@ -91,9 +91,9 @@ double Trace(const PipeView& view, const Vector3d& eye, const Vector3d& ray) {
   const double b = eye.x() * ray.x() + eye.y() * ray.y();
   const double c = eye.x() * eye.x() + eye.y() * eye.y() - view.radius_m * view.radius_m;
   const double t = a > 1e-12 ? (-b + std::sqrt(b * b - a * c)) / a : 1e6;
-  const double z = t * ray.z();
+  const double z = eye.z() + t * ray.z();
   if (view.mouth_m && z > *view.mouth_m) {
-    return BeyondMouth(view, eye, ray, *view.mouth_m / ray.z() + 1e-4);
+    return BeyondMouth(view, eye, ray, (*view.mouth_m - eye.z()) / ray.z() + 1e-4);
   }
   return z > 30 ? 0.0 : WallBrightness(view, eye + t * ray, eye);
 }
@@ -112,7 +112,7 @@ robot::Camera FrontCamera() {
 
 cv::Mat Draw(const PipeView& view) {
   const robot::Camera camera = FrontCamera();
-  const Vector3d eye(view.camera_right_m, view.camera_down_m, 0);
+  const Vector3d eye(view.camera_right_m, view.camera_down_m, view.camera_ahead_m);
   const Eigen::Matrix3d R_QC = (Eigen::AngleAxisd(view.yaw_rad, Vector3d::UnitY()) *
                                 Eigen::AngleAxisd(view.pitch_rad, Vector3d::UnitX()))
                                    .toRotationMatrix();

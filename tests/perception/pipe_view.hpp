@@ -28,6 +28,7 @@ struct ViewedCrack {
 struct PipeView {
   double radius_m{0.150};
   double camera_right_m{}, camera_down_m{};  ///< camera off the axis
+  double camera_ahead_m{};                   ///< camera beyond the origin
   double yaw_rad{}, pitch_rad{};             ///< camera turned to the right, and up
   std::vector<ViewedJoint> joints{};
   std::optional<double> mouth_m{};  ///< pipe ends here in a manhole of 0.8 m, benching to the crown
