@@ -15,19 +15,29 @@ else
 fi
 
 mkdir -p build/fuzz/found build/fuzz/log
+# A target has a core to itself; as many run beside each other as there are cores.
+fuzz() {
+  local target=$1 corpus=build/fuzz/corpus/$1 log=build/fuzz/log/$1
+  mkdir -p "$corpus"
+  if "build/fuzz/bin/$target" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
+    -artifact_prefix="build/fuzz/found/$target-" "$corpus" "fuzz/corpus/$target" >"$log" 2>&1; then
+    sed -n "s/^Done \([0-9]*\) runs.*/fuzz: $target, \1 inputs, none broke it/p" "$log"
+  else
+    echo "fuzz: $target broke"
+    grep -m 1 -A 20 'ERROR' "$log" || tail -n 20 "$log"
+    return 1
+  fi
+}
+
 broken=()
 for target in "${targets[@]}"; do
-  corpus=build/fuzz/corpus/$target
-  seeds=fuzz/corpus/$target
-  mkdir -p "$corpus"
-  echo "fuzz: $target for $seconds s"
-  if "build/fuzz/bin/$target" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
-    -artifact_prefix="build/fuzz/found/$target-" "$corpus" "$seeds" >"build/fuzz/log/$target" 2>&1; then
-    sed -n 's/^Done \([0-9]*\) runs.*/fuzz:   \1 inputs, none broke it/p' "build/fuzz/log/$target"
-  else
-    grep -m 1 -A 20 'ERROR' "build/fuzz/log/$target" || tail -n 20 "build/fuzz/log/$target"
-    broken+=("$target")
-  fi
+  rm -f "build/fuzz/log/$target.broke"
+  while [ "$(jobs -rp | wc -l)" -ge "$(nproc)" ]; do wait -n || true; done
+  { fuzz "$target" || touch "build/fuzz/log/$target.broke"; } &
+done
+wait
+for target in "${targets[@]}"; do
+  if [ -e "build/fuzz/log/$target.broke" ]; then broken+=("$target"); fi
 done
 
 if [ "${#broken[@]}" -gt 0 ]; then
