@@ -119,7 +119,10 @@ void Measure(const StereoView& view, const std::vector<Sample>& samples, const c
     };
     add("all", "all");
     add("manhole", light + (sample.feature ? ", feature" : ", non-feature"));
-    if (view.mouth_m <= kUpTo_m) add("manhole", "up to 1.0 m");
+    if (view.mouth_m <= kUpTo_m) {
+      add("manhole", "up to 1.0 m");
+      if (sample.feature) add("manhole", "up to 1.0 m, feature");
+    }
     if (!rival.empty() && !std::isnan(rival.at<float>(sample.y, sample.x)))
       add("manhole", "where stereobm answers");
   }
