@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
 
@@ -50,6 +51,19 @@ class Strip {
   Eigen::AlignedBox3d box_;
 };
 
+/// Whether two sheets have the same corners.
+bool Coincide(const WaterSheet& a, const WaterSheet& b) {
+  constexpr double kSame_m = 1e-5;
+  if (a.vertices.size() != b.vertices.size() || (a.p_WCentre - b.p_WCentre).norm() > kSame_m)
+    return false;
+  return std::ranges::all_of(a.vertices, [&](const WaterSheet::Vertex& corner) {
+    const Vector3d p_BV = a.p_WO + corner.p_OV.cast<double>() - b.p_WO;
+    return std::ranges::any_of(b.vertices, [&](const WaterSheet::Vertex& other) {
+      return (other.p_OV.cast<double>() - p_BV).norm() < kSame_m;
+    });
+  });
+}
+
 /// Half the width of a void at a height above its axis, absent where it is not open there.
 std::optional<double> HalfWidth(const VoidPrimitive& primitive, double up_m) {
   const double r = primitive.radius_m;
@@ -97,8 +111,17 @@ class Builder {
         const double along_m = piece_m * (piece + static_cast<double>(i) / steps);
         AddPair(strip, primitive, along_m, up_m, *half_width_m + kIntoWall_m);
       }
-      sheets_.push_back(strip.Take());
+      Keep(primitive.part, strip.Take());
     }
+  }
+
+  /// Ways across a manhole begin alike where they leave by the same mouth: one sheet is enough.
+  void Keep(std::uint32_t part, WaterSheet sheet) {
+    std::vector<std::size_t>& there = of_part_[part];
+    if (std::ranges::any_of(there, [&](std::size_t i) { return Coincide(sheet, sheets_[i]); }))
+      return;
+    there.push_back(sheets_.size());
+    sheets_.push_back(std::move(sheet));
   }
 
   [[nodiscard]] Strip StripOver(const VoidPrimitive& primitive, const Vector3d& p_WO) const {
@@ -150,6 +173,7 @@ class Builder {
   Water water_;
   double longest_m_;
   std::vector<WaterSheet> sheets_;
+  std::map<std::uint32_t, std::vector<std::size_t>> of_part_;  ///< which of them
 };
 
 }  // namespace

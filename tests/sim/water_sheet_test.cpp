@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
+#include <vector>
 
 #include "tests/network/sewers.hpp"
 
@@ -77,6 +81,36 @@ TEST(WaterSheets, CoverAFlatFloor) {
       widest_m = std::max(widest_m, std::abs(Place(sheet, vertex).y()));
   }
   EXPECT_NEAR(widest_m, 0.4, 0.001);  // the shaft: 300 + 500 mm wide
+}
+
+// Each way across a manhole of three pipes has a channel of its own; at a mouth two begin alike.
+TEST(WaterSheets, LieOnceWhereTwoWaysAcrossAManholeShareOne) {
+  network::Network network = Watered();
+  network::Manhole end = network.manholes[1];
+  for (const double turn : {0.0, 1.0}) {
+    end.name = turn == 0.0 ? "ahead" : "aside";
+    end.p_WM = network.manholes[1].p_WM + Vector3d(10.0 * (1.0 - turn), 10.0 * turn, 0.0);
+    network.manholes.push_back(end);
+    network::Pipe pipe = network.pipes[0];
+    pipe.name = "to " + end.name;
+    pipe.upstream = network.manholes[1].name;
+    pipe.downstream = end.name;
+    network.pipes.push_back(pipe);
+  }
+  const auto corners = [](const WaterSheet& sheet) {
+    std::vector<std::array<long, 3>> rounded;
+    for (const WaterSheet::Vertex& vertex : sheet.vertices) {
+      const Vector3d p_W = Place(sheet, vertex);
+      rounded.push_back(
+          {std::lround(1e4 * p_W.x()), std::lround(1e4 * p_W.y()), std::lround(1e4 * p_W.z())});
+    }
+    std::ranges::sort(rounded);
+    return rounded;
+  };
+  std::set<std::vector<std::array<long, 3>>> places;
+  for (const WaterSheet& sheet : BuildWaterSheets(BuildSewer(network), 1.0))
+    EXPECT_TRUE(places.insert(corners(sheet)).second) << sheet.p_WCentre.transpose();
+  EXPECT_GT(places.size(), 30U);  // 28 m of pipe, and the manholes
 }
 
 }  // namespace
