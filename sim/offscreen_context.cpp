@@ -18,6 +18,15 @@ std::unique_ptr<OpenGl> OpenChosen() {
   throw InputError("KANTARO_GL", {}, "", fmt::format("\"{}\" is none of osmesa, egl", name));
 }
 
+/// @throws InputError: Mesa crashes or hangs with any other width, in the midst of drawing.
+void CheckVectorWidth() {
+  const char* given = std::getenv("LP_NATIVE_VECTOR_WIDTH");
+  const std::string width = given != nullptr ? given : "";
+  if (width.empty() || width == "128" || width == "256") return;
+  throw InputError("LP_NATIVE_VECTOR_WIDTH", {}, "",
+                   fmt::format("Mesa cannot draw with \"{}\"; 128 and 256 are right", width));
+}
+
 /// One for the whole process, as MuJoCo keeps one set of entry points. Never closed: worker threads
 /// of the library outlive main().
 OpenGl& Chosen() {
@@ -25,6 +34,7 @@ OpenGl& Chosen() {
     // Mesa keeps compiled shaders on disk and does not tell those for narrow vectors from those for
     // wide ones: a program must not depend on what another left there.
     setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);
+    CheckVectorWidth();
     return OpenChosen().release();
   }();
   return *gl;

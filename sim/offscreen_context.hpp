@@ -22,7 +22,8 @@ class RenderingUnavailable : public std::runtime_error {
 class OffscreenContext {
  public:
   /// @throws RenderingUnavailable if the library is absent or does not start.
-  /// @throws InputError if KANTARO_GL names no library that is known.
+  /// @throws InputError if KANTARO_GL names no library that is known, or LP_NATIVE_VECTOR_WIDTH a
+  /// width that Mesa cannot draw with.
   OffscreenContext();
 
   /// Current on this thread for as long as it lives.

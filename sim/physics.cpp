@@ -8,6 +8,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "sim/mujoco_error.hpp"
+
 namespace kantaro::sim {
 namespace {
 
@@ -31,6 +33,7 @@ Physics::Physics(const VoidField& field, const robot::Description& description,
       model_(BuildRobotModel(description, options)),
       data_(mj_makeData(model_.get())),
       binding_(model_.get(), &field) {
+  ThrowOnMujocoErrors();
   for (std::size_t i = 0; i < wheels_.size(); ++i) {
     const std::string& name = description.wheels[i];
     const robot::Tyre& tyre = description.tyres.at(name);
@@ -157,13 +160,6 @@ void Physics::Step() {
     steps_until_ground_ = kGroundEvery;
   }
   mj_step(model_.get(), data_.get());
-  for (const int kind : {mjWARN_INERTIA, mjWARN_CONTACTFULL, mjWARN_CNSTRFULL, mjWARN_BADQPOS,
-                         mjWARN_BADQVEL, mjWARN_BADQACC, mjWARN_BADCTRL}) {
-    if (data_->warning[kind].number > 0) {
-      throw std::runtime_error(fmt::format("MuJoCo at {:.3f} s: {}", data_->time,
-                                           mju_warningText(kind, data_->warning[kind].lastinfo)));
-    }
-  }
 }
 
 Isometry3d Physics::PoseOfBase() const {

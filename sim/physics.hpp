@@ -37,7 +37,7 @@ class Physics {
 
   /// Wheel speeds to reach [rad/s]; limited by the motors.
   void Drive(double left_rad_s, double right_rad_s);
-  /// One time step. @throws std::runtime_error if MuJoCo reports an instability.
+  /// One time step. @throws MujocoError if MuJoCo warns, of an instability say.
   void Step();
 
   [[nodiscard]] double time_s() const { return data_->time; }

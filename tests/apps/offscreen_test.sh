@@ -42,5 +42,6 @@ ends 3 "$unrendered EGL cannot be opened \(.*\)" KANTARO_GL=egl LD_LIBRARY_PATH=
 ends 3 "$unrendered EGL has no driver that starts without a display \(error 0x[0-9a-f]+\)" KANTARO_GL=egl \
   __EGL_VENDOR_LIBRARY_DIRS="$work" __EGL_VENDOR_LIBRARY_FILENAMES=
 ends 2 'KANTARO_GL: "metal" is none of osmesa, egl' KANTARO_GL=metal
+ends 2 'LP_NATIVE_VECTOR_WIDTH: Mesa cannot draw with "512"; 128 and 256 are right' LP_NATIVE_VECTOR_WIDTH=512
 [ "$failures" -eq 0 ] && echo "each missing OpenGL is told"
 exit "$failures"

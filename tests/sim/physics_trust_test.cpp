@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <numbers>
 
+#include "sim/mujoco_error.hpp"
 #include "sim/physics.hpp"
 #include "sim/sewer.hpp"
 #include "tests/network/sewers.hpp"
@@ -288,11 +290,13 @@ TEST(TimeStep, HalvedGivesTheSameWay) {
 }
 
 // An infinite command is an engine warning, and a warning ends the run.
-TEST(EngineWarning, EndsTheRun) {
+TEST(EngineWarning, EndsTheRunAndLeavesNoLogFile) {
+  std::filesystem::remove("MUJOCO_LOG.TXT");
   Rig rig(PipeOf(0.300), Friction(0.7));
   Physics& physics = rig.Place(5.0);
   physics.Drive(std::numeric_limits<double>::quiet_NaN(), 0.0);
-  EXPECT_THROW(physics.Step(), std::runtime_error);
+  EXPECT_THROW(physics.Step(), MujocoError);
+  EXPECT_FALSE(std::filesystem::exists("MUJOCO_LOG.TXT"));
 }
 
 }  // namespace
