@@ -173,6 +173,7 @@ int Dispatch(const CLI::App& app, const Words& words) {
     request.thesis_only = !words.only.empty();
     if (request.thesis_only && words.only != std::vector<std::string>{"thesis"})
       throw InputError("--only", {}, "", "\"thesis\" is all that can be learnt by itself");
+    request.recording = Given(words.from);
     request.json = words.json;
     return scenarios::Calibrate(request, std::cout);
   }
@@ -293,6 +294,8 @@ void Declare(CLI::App& app, Words& words) {
   calibrate->add_option("--jobs", words.jobs, "threads (default: one for each core)");
   calibrate->add_option("--robot", words.robot, "the robot's folder (default models/kantaro)");
   calibrate->add_option("--only", words.only, "thesis: keep what the method ours has learnt");
+  calibrate->add_option("--from", words.from,
+                        "a recording to learn from, for the thesis' method alone");
   calibrate->add_option("--to", words.to, "the .yaml to write (default landmarks.yaml there)");
 
   CLI::App* experiment =

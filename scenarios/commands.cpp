@@ -143,16 +143,30 @@ std::string DescriptionOf(const network::Network& network, bool json) {
   return text.ends_with('\n') ? text : text + '\n';
 }
 
-perception::LandmarkCalibration Learn(const CalibrateRequest& request,
-                                      const CalibrationOptions& options) {
+struct Learnt {
+  perception::LandmarkCalibration calibration;
+  std::string remark;  ///< how
+};
+
+Learnt Learn(const CalibrateRequest& request, const CalibrationOptions& options) {
   const robot::Description robot = robot::ReadDescription(request.robot_folder);
   const auto parameters =
       perception::ReadParameters(request.robot_folder / "perception.yaml").landmarks;
-  if (!request.thesis_only) return CalibrateLandmarks(robot, parameters, options);
+  const std::string twin = fmt::format("--seed {} --views {}", options.seed, options.views);
+  if (!request.thesis_only && !request.recording)
+    return {CalibrateLandmarks(robot, parameters, options),
+            twin + " from training views of the twin"};
   auto calibration = perception::ReadLandmarkCalibration(request.robot_folder / "landmarks.yaml");
+  if (request.recording) {
+    const auto views =
+        CalibrateThesisFromRecording(robot, parameters, *request.recording, calibration);
+    return {calibration,
+            fmt::format("--from {}: {} views of manholes, {} of joints, {} of inlets",
+                        request.recording->filename().string(), views[0], views[1], views[2])};
+  }
   for (const ViewCameras cameras : {ViewCameras::kFront, ViewCameras::kStereo})
     CalibrateThesis(robot, parameters, ViewSet::kReproduction, cameras, options, calibration);
-  return calibration;
+  return {calibration, twin + " --only thesis from training views of the twin"};
 }
 
 }  // namespace
@@ -264,17 +278,11 @@ int Calibrate(const CalibrateRequest& request, std::ostream& out) {
   options.progress = [&](std::size_t done, std::size_t all) {
     progress.Show(fmt::format("calibrate: {} of {} views", done, all));
   };
-  const perception::LandmarkCalibration calibration = Learn(request, options);
-  WriteFileAtomically(
-      request.to,
-      perception::ToYaml(calibration, fmt::format("Written by kantaro calibrate --seed {} "
-                                                  "--views {}{} from training views of the twin.",
-                                                  options.seed, options.views,
-                                                  request.thesis_only ? " --only thesis" : "")));
+  const auto [calibration, remark] = Learn(request, options);
+  WriteFileAtomically(request.to,
+                      perception::ToYaml(calibration, "Written by kantaro calibrate " + remark));
   if (request.json) {
-    out << Json{{"file", request.to.string()}, {"seed", options.seed}, {"views", options.views}}
-               .dump(2)
-        << '\n';
+    out << Json{{"file", request.to.string()}, {"how", remark}}.dump(2) << '\n';
   } else {
     out << request.to.string() << '\n';
   }

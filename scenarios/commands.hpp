@@ -92,6 +92,7 @@ struct CalibrateRequest {
   unsigned jobs{1};
   std::filesystem::path to;  ///< a .yaml
   bool thesis_only{};        ///< what `ours` needs stays as the robot's folder has it
+  std::optional<std::filesystem::path> recording;  ///< learn from it, for the thesis' method alone
   bool json{};
 };
 /// Learns from training views of the twin what the landmark methods need, and writes it.

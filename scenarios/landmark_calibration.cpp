@@ -8,9 +8,11 @@
 #include <optional>
 #include <stdexcept>
 
+#include "base/input_error.hpp"
 #include "perception/landmark_distance.hpp"
 #include "perception/thesis_landmarks.hpp"
 #include "scenarios/experiments/landmark_views.hpp"
+#include "scenarios/recorded_views.hpp"
 
 namespace kantaro::scenarios {
 namespace {
@@ -20,6 +22,7 @@ using perception::LandmarkMethod;
 
 constexpr double kStretch_m = 0.1;
 constexpr double kLeastFall_px = 0.5;
+constexpr std::size_t kFewestOfClass = 10;  ///< or what was learnt before is better
 constexpr std::size_t kFewestOfStretch = 2, kFewestErrors = 20;
 /// A circle that differs by more from where geometry puts it is not the landmark's: whoever
 /// measures in the field sees that.
@@ -95,13 +98,14 @@ std::vector<StatedError> ErrorsOf(const std::vector<Lesson>& lessons, LandmarkCl
   return errors;
 }
 
-/// Where the Hough transform finds the landmark in too few views for a table, the pinhole's own
-/// geometry stands in: what a ruler held into the pipe would give.
+/// Where the Hough transform finds the landmark in too few views for a table, the one before stays,
+/// or the pinhole's own geometry stands in: what a ruler held into the pipe would give.
 perception::RadiusTable TableOrGeometry(const std::vector<Sample>& samples, LandmarkClass landmark,
-                                        double focal_px) {
+                                        double focal_px, const perception::RadiusTable& before) {
   try {
     return FitRadiusTable(samples);
   } catch (const std::invalid_argument&) {
+    if (!before.distance_radius.empty()) return before;
     const double diameter_m = landmark == LandmarkClass::kInlet ? perception::kReferenceInlet_m
                                                                 : perception::kReferencePipe_m;
     perception::RadiusTable table;
@@ -149,9 +153,11 @@ void FitThesis(const std::vector<Lesson>& lessons, ViewCameras cameras,
     };
     if (cameras == ViewCameras::kFront) {
       learnt.radius = TableOrGeometry(of([](const Lesson& lesson) { return lesson.radius_px; }),
-                                      landmark, description.front_camera.focal_px);
+                                      landmark, description.front_camera.focal_px, learnt.radius);
     } else {
-      learnt.shorter = FitEdges(of([](const Lesson& lesson) { return lesson.shorter_edges; }));
+      const auto shorter = of([](const Lesson& lesson) { return lesson.shorter_edges; });
+      if (shorter.empty()) continue;
+      learnt.shorter = FitEdges(shorter);
       learnt.longer = FitEdges(of([](const Lesson& lesson) { return lesson.longer_edges; }));
     }
   }
@@ -261,6 +267,28 @@ void CalibrateThesis(const robot::Description& description,
     lessons[view.number] = ThesisLesson(view, cameras, description, parameters);
   });
   FitThesis(lessons, cameras, description, calibration);
+}
+
+std::array<std::size_t, perception::kLandmarkClasses.size()> CalibrateThesisFromRecording(
+    const robot::Description& description, const perception::LandmarkParameters& parameters,
+    const std::filesystem::path& recording, perception::LandmarkCalibration& calibration) {
+  std::array<std::size_t, perception::kLandmarkClasses.size()> views{};
+  for (const ViewCameras cameras : {ViewCameras::kFront, ViewCameras::kStereo}) {
+    std::vector<Lesson> lessons;
+    ForEachRecordedView(recording, cameras, [&](LandmarkView&& view) {
+      lessons.push_back(ThesisLesson(view, cameras, description, parameters));
+    });
+    std::array<std::size_t, perception::kLandmarkClasses.size()> counts{};
+    for (const Lesson& lesson : lessons) ++counts.at(static_cast<std::size_t>(lesson.landmark));
+    std::erase_if(lessons, [&](const Lesson& lesson) {
+      return counts.at(static_cast<std::size_t>(lesson.landmark)) < kFewestOfClass;
+    });
+    FitThesis(lessons, cameras, description, calibration);
+    for (std::size_t i = 0; i < views.size(); ++i) views.at(i) += counts.at(i);
+  }
+  if (views == decltype(views){})
+    throw InputError(recording, {}, "", "shows no landmark whose distance the robot knew");
+  return views;
 }
 
 }  // namespace kantaro::scenarios

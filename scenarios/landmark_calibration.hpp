@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <vector>
 
@@ -32,6 +34,16 @@ void CalibrateThesis(const robot::Description& description,
                      const perception::LandmarkParameters& parameters, ViewSet set,
                      ViewCameras cameras, const CalibrationOptions& options,
                      perception::LandmarkCalibration& calibration);
+
+/// The same from the views of a recorded mission (ForEachRecordedView); what fewer than ten of them
+/// show stays as it is.
+/// @returns how many views there were of each class
+/// @throws InputError for a bad recording, and for one without a view
+[[nodiscard]] std::array<std::size_t, perception::kLandmarkClasses.size()>
+CalibrateThesisFromRecording(const robot::Description& description,
+                             const perception::LandmarkParameters& parameters,
+                             const std::filesystem::path& recording,
+                             perception::LandmarkCalibration& calibration);
 
 /// A measurement in a training view: x (a radius, a count of edges) at a known distance.
 struct Sample {

@@ -66,6 +66,7 @@ scenario good.yaml
 refused "no command" "COMMAND: none is given; known are run, firmware, replay, suite, network, generate, render, calibrate, experiment"
 refused "unknown command" 'COMMAND: "fly" is not one; known are .*' fly
 refused "no scenario" ".*SCENARIO is required.*" run
+refused "calibrate from no recording" ".*good.yaml: not a ROS 1 bag.*" calibrate --from good.yaml --robot "$source/models/kantaro" --to out.yaml
 refused "unknown option" ".*--colour.*" run good.yaml --colour red
 refused "seed that is no number" '--seed: "seven" is not a number from 0 to [0-9]+' run good.yaml --seed seven --out out
 refused "negative seed" '--seed: "-1" is not a number.*' run good.yaml --seed -1 --out out
