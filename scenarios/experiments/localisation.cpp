@@ -455,7 +455,7 @@ std::string Chapter(const Json& result) {
                     WithInterval(row, "within_5cm"), Beside(result, row), Millimetres(row),
                     Percent(row, "in_stated_interval"), row.at("time_ms").get<double>());
   }
-  text += "\nRequired of `ours`, all landmarks together:\n\n";
+  std::string required_text;
   for (const Requirement& required : kRequired) {
     for (const Json& row : result.at("rows")) {
       if (row.at("method") != "ours" || row.at("landmark") != "all" ||
@@ -464,12 +464,14 @@ std::string Chapter(const Json& result) {
       const bool met = row.at(required.key).is_number() &&
                        row.at(required.key).get<double>() >= required.least &&
                        row.at(required.key).get<double>() <= required.most;
-      text += fmt::format("- {}, {}: `{}` {:.0f} to {:.0f} %: {}, {}\n", required.set,
-                          required.condition, required.key, 100.0 * required.least,
-                          100.0 * required.most, Percent(row, required.key),
-                          met ? "met" : "**not met**");
+      required_text += fmt::format("- {}, {}: `{}` {:.0f} to {:.0f} %: {}, {}\n", required.set,
+                                   required.condition, required.key, 100.0 * required.least,
+                                   100.0 * required.most, Percent(row, required.key),
+                                   met ? "met" : "**not met**");
     }
   }
+  if (!required_text.empty())
+    text += "\nRequired of `ours`, all landmarks together:\n\n" + required_text;
   return text;
 }
 
