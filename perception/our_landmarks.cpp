@@ -17,7 +17,8 @@ constexpr double kStepWeight = 0.42, kLeastStep = -4.0, kMostStep = 6.0;
 constexpr double kSidesWeight = 33.8, kMostSides = 0.5, kEndWallWeight = 5.4;
 constexpr double kOuterWeight = 17.1, kInnerWeight = 32.8, kJumpWeight = 3.3;
 
-constexpr double kFarthestInlet_m = 1.0, kLeastInlet = 0.06, kInletDeviation = 0.01;
+constexpr double kFarthestInlet_m = 1.0, kInletStep = 0.02, kInletDeviation = 0.01;
+constexpr double kInletWeight = 3.0, kEdgeWeight = 20.0;
 constexpr double kPoseError_m = 0.006;
 constexpr double kJointPixels = 0.5, kMouthPixels = 0.7;  ///< deviation of a ring's radius
 constexpr double kWidening_m = 0.5;  ///< a shaft is wider than its pipe by so much (thesis 5.2)
@@ -71,9 +72,9 @@ LandmarkTracker::LandmarkTracker(const robot::Description& description, const ro
       camera_height_m_(CameraHeight(sizes.pipe_diameter_m)),
       lamps_(LampsBefore(description, camera)) {
   const double radius_m = sizes.pipe_diameter_m / 2.0;
-  if (ClassOf(kind) == LandmarkClass::kInlet) return;
-  scan_.emplace(camera, radius_m, parameters.near_m, parameters.far_m + 0.3);
-  if (kind != LandmarkKind::kManhole) return;
+  if (ClassOf(kind) != LandmarkClass::kInlet)
+    scan_.emplace(camera, radius_m, parameters.near_m, parameters.far_m + 0.3);
+  if (kind == LandmarkKind::kJoint) return;
   shaft_.emplace(
       camera, lamps_, radius_m,
       sizes.shaft_diameter_m > 0.0 ? sizes.shaft_diameter_m : sizes.pipe_diameter_m + kWidening_m);
@@ -192,18 +193,28 @@ std::optional<RangedLandmark> LandmarkTracker::FindMouth() const {
 }
 
 std::optional<RangedLandmark> LandmarkTracker::FindInlet() const {
-  InletFit best;
   const bool left = kind_ == LandmarkKind::kInletLeft;
-  const auto try_it = [&](const InletFit& fit) {
-    InletFit tried = fit;
-    tried.score = ScoreOf(tried);
-    if (tried.score > best.score) best = tried;
-  };
-  for (double d = parameters_.near_m; d <= kFarthestInlet_m; d *= 1.03) {
-    for (double up = -0.35; up <= 0.8; up += 0.1)
-      try_it({d, left ? std::numbers::pi + up : -up, Eigen::Vector2d::Zero(), 0.0});
+  InletFit best;
+  std::vector<Tried> tried;
+  double most = -HUGE_VAL;
+  for (double d = parameters_.near_m; d <= kFarthestInlet_m; d *= 1.0 + kInletStep) {
+    Tried here{d, -HUGE_VAL};
+    for (double up = -0.25; up <= 0.65; up += 0.09) {
+      const InletFit fit{d, left ? std::numbers::pi + up : -up, Eigen::Vector2d::Zero(), 0.0};
+      const double signs = Darkness(fit) + kEdgeWeight * ScoreOf(fit);
+      here.log_odds = std::max(here.log_odds, kInletWeight * signs);
+      if (signs <= most) continue;
+      most = signs;
+      best = fit;
+    }
+    tried.push_back(here);
   }
-  if (best.score <= 0.0) return {};
+  const auto try_it = [&](const InletFit& fit) {
+    InletFit tried_fit = fit;
+    tried_fit.score = ScoreOf(tried_fit);
+    if (tried_fit.score > best.score) best = tried_fit;
+  };
+  best.score = ScoreOf(best);
   double step = 1.0;
   for (int pass = 0; pass < 7; ++pass, step *= 0.6) {
     for (int repeat = 0; repeat < 2; ++repeat) {
@@ -230,8 +241,52 @@ std::optional<RangedLandmark> LandmarkTracker::FindInlet() const {
       }
     }
   }
-  if (best.score < kLeastInlet) return {};
-  return RangedLandmark{best.distance_m, kInletDeviation * best.distance_m};
+  const double doubt_m = Likeliest(tried).deviation_m;
+  return RangedLandmark{best.distance_m, std::hypot(kInletDeviation * best.distance_m, doubt_m)};
+}
+
+/// By how many deviations a mouth here would be darker than the wall about it, against what is
+/// usual on the wall.
+double LandmarkTracker::Darkness(const InletFit& fit) const {
+  constexpr int kAngles = 16;
+  constexpr double kInside[] = {0.3, 0.6, 0.85}, kOutside[] = {1.15, 1.35};
+  constexpr double kSeen = 0.4, kLeast = 0.15;
+  const double radius_m = sizes_.inlet_diameter_m / 2.0, pipe_m = sizes_.pipe_diameter_m / 2.0;
+  struct Sums {
+    double n{}, x{}, xx{};
+    void Add(double value) {
+      n += 1.0;
+      x += value;
+      xx += value * value;
+    }
+    [[nodiscard]] double Mean() const { return x / n; }
+    [[nodiscard]] double Variance() const { return std::max(0.0, xx / n - Mean() * Mean()); }
+  } inside, outside;
+  for (const Sight& sight : sights_) {
+    const PipeWall wall(camera_, pipe_m, sight.pose);
+    const double there_m = Ahead(sight, fit.distance_m);
+    const auto add = [&](Sums& to, double scale) {
+      for (int i = 0; i < kAngles; ++i) {
+        const double a = 2.0 * std::numbers::pi * i / kAngles;
+        const double along_m = there_m + scale * radius_m * std::cos(a);
+        if (along_m < 0.1) continue;
+        const double angle =
+            fit.angle_rad +
+            std::asin(std::clamp(scale * radius_m * std::sin(a) / pipe_m, -0.99, 0.99));
+        const double excess =
+            shaft_->Excess(sight.shaft, wall, along_m, {std::cos(angle), std::sin(angle)});
+        if (!std::isnan(excess)) to.Add(std::clamp(excess, -1.0, 1.0));
+      }
+    };
+    for (const double scale : kInside) add(inside, scale);
+    for (const double scale : kOutside) add(outside, scale);
+  }
+  const double all = static_cast<double>(kAngles * sights_.size());
+  if (inside.n < kSeen * all * std::size(kInside) || outside.n < kSeen * all * std::size(kOutside))
+    return 0.0;
+  const double spread = std::sqrt(kLeast * kLeast + (inside.Variance() + outside.Variance()) / 2.0);
+  const double seen = std::pow((inside.n + outside.n) / (5.0 * all), 1.5);
+  return seen * (outside.Mean() - inside.Mean()) / spread;
 }
 
 /// Mean of what the wall about an inlet's mouth is brighter than the mouth, in logarithms, over all

@@ -54,6 +54,7 @@ class LandmarkTracker {
 
   void Scan();
   [[nodiscard]] double Ahead(const Sight& sight, double distance_m) const;
+  [[nodiscard]] double Darkness(const InletFit& fit) const;
   [[nodiscard]] double ScoreOf(const InletFit& fit) const;
   [[nodiscard]] std::optional<RangedLandmark> FindJoint() const;
   [[nodiscard]] std::optional<RangedLandmark> FindMouth() const;

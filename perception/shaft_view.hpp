@@ -42,6 +42,13 @@ class ShaftView {
   };
   [[nodiscard]] Turn TurnAt(const Sight& sight, double distance_m) const;
 
+  /// By how much brighter [log] the picture is than a wall would be there; NaN where nothing is
+  /// seen.
+  [[nodiscard]] double Excess(const Sight& sight, const PipeWall& wall, double distance_m,
+                              const Eigen::Vector2d& direction) const {
+    return Look(sight, wall, distance_m, direction) - Expected(sight, distance_m, direction);
+  }
+
   /// By how much brighter [log] it gets across a ring inwards than along a wall.
   [[nodiscard]] double Jump(const Sight& sight, double distance_m) const;
 

@@ -16,14 +16,31 @@ const robot::Description& Robot() {
   return robot;
 }
 
+constexpr double kInlet_m = 0.130;
+
+/// A dark mouth to the right at the height of the axis: where a branch crosswise meets the wall.
+void PaintInlet(cv::Mat& grey, double distance_m, double pipe_radius_m) {
+  const PipeWall wall(Robot().front_camera, pipe_radius_m, {});
+  for (int y = 0; y < grey.rows; ++y) {
+    for (int x = grey.cols / 2; x < grey.cols; ++x) {
+      const Eigen::Vector3d point = wall.PointAt(cv::Point2d(x, y));
+      if (std::hypot(point.z() - distance_m, point.y()) < kInlet_m / 2.0)
+        grey.at<std::uint8_t>(y, x) /= 3;
+    }
+  }
+}
+
 /// Three pictures of an approach, the last one at the view's origin.
-std::optional<RangedLandmark> Follow(PipeView view, LandmarkKind kind) {
-  LandmarkTracker tracker(Robot(), Robot().front_camera, 0.0, {}, kind, {2.0 * view.radius_m});
+std::optional<RangedLandmark> Follow(PipeView view, LandmarkKind kind,
+                                     std::optional<double> inlet_m = {}) {
+  LandmarkTracker tracker(Robot(), Robot().front_camera, 0.0, {}, kind,
+                          {2.0 * view.radius_m, kInlet_m});
   std::optional<RangedLandmark> found;
   for (const double ahead_m : {-0.16, -0.08, 0.0}) {
     view.camera_ahead_m = ahead_m;
     cv::Mat grey;
     cv::cvtColor(Draw(view), grey, cv::COLOR_BGR2GRAY);
+    if (inlet_m) PaintInlet(grey, *inlet_m - ahead_m, view.radius_m);
     found = tracker.Update(grey, {}, ahead_m);
   }
   return found;
@@ -41,6 +58,12 @@ TEST(LandmarkTracker, TellsAMouthFromTheJointBeforeIt) {
   ASSERT_TRUE(joint);
   EXPECT_NEAR(joint->distance_m, 0.5, 0.01);
   EXPECT_LT(joint->deviation_m, 0.02);
+}
+
+TEST(LandmarkTracker, MeasuresAnInlet) {
+  const auto inlet = Follow({}, LandmarkKind::kInletRight, 0.55);
+  ASSERT_TRUE(inlet);
+  EXPECT_NEAR(inlet->distance_m, 0.55, 0.01);
 }
 
 // Where there is none, any distance is as good as another: an even spread over 0.25 to 1.7 m has a
