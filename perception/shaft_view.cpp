@@ -179,7 +179,7 @@ ShaftView::Turn ShaftView::TurnAt(const Sight& sight, double distance_m) const {
         const Vector2d by = beside_px * there_m / ring_px_m_ * outward;
         edge += Look(sight, wall, there_m, at - by) - Look(sight, wall, there_m, at + by);
       }
-      edge /= std::size(kBeside_px);
+      edge /= static_cast<double>(std::size(kBeside_px));
       if (!std::isnan(edge)) to.push_back(std::clamp(edge, -kMostContrast, kMostContrast));
     };
     for (double across = -0.9; across < 0.95; across += 0.15) {  // in pipe radii, to the inner side

@@ -140,14 +140,17 @@ struct Faces {
     return faces;
   }
   std::vector<Face> operator()(const Ball& ball) const {
-    const double r = ball.radius_m;
-    return {{0, 0, r * std::acos(std::max(-1.0, ball.foot_m / r)), 0, 2 * kPi * r}};
+    const double r = ball.radius_m, foot = std::max(-r, ball.foot_m);
+    return {{0, 0, r * std::acos(foot / r), 0, 2 * kPi * r},
+            {1, 0, std::sqrt(r * r - foot * foot), 0, 2 * kPi * r}};
   }
   std::vector<Face> operator()(const Ridge& ridge) const {
     const double ri = ridge.inner_radius_m, ro = ridge.outer_radius_m, l = ridge.axis.length_m;
     const double a = std::min(ridge.half_arc_rad, kPi);
-    std::vector<Face> faces{
-        {0, 0, l, -a * ri, a * ri}, {1, ri, ro, -a * ro, a * ro}, {2, ri, ro, -a * ro, a * ro}};
+    std::vector<Face> faces{{0, 0, l, -a * ri, a * ri},
+                            {1, ri, ro, -a * ro, a * ro},
+                            {2, ri, ro, -a * ro, a * ro},
+                            {5, 0, l, -a * ro, a * ro}};  // seen where an inlet enters beside it
     if (a < kPi) {
       faces.push_back({3, 0, l, ri, ro});
       faces.push_back({4, 0, l, ri, ro});
@@ -183,6 +186,9 @@ struct SurfacePoint {
   Vector3d operator()(const Ball& ball) const {
     const double down = u / ball.radius_m, angle = v / ball.radius_m;
     const Vector3d x = ball.up_W.unitOrthogonal();
+    if (face == 1)
+      return ball.p_WB + ball.foot_m * ball.up_W +
+             u * (std::cos(angle) * x + std::sin(angle) * ball.up_W.cross(x));
     return ball.p_WB + ball.radius_m * (std::cos(down) * ball.up_W +
                                         std::sin(down) * (std::cos(angle) * x +
                                                           std::sin(angle) * ball.up_W.cross(x)));
@@ -195,6 +201,7 @@ struct SurfacePoint {
     const double l = ridge.axis.length_m;
     if (face == 0) return at(u, ridge.inner_radius_m, v / ridge.inner_radius_m);
     if (face <= 2) return at(face == 1 ? 0.0 : l, u, v / ridge.outer_radius_m);
+    if (face == 5) return at(u, ridge.outer_radius_m, v / ridge.outer_radius_m);
     return at(u, v, face == 3 ? -ridge.half_arc_rad : ridge.half_arc_rad);
   }
   Vector3d operator()(const Block& block) const {
