@@ -85,12 +85,17 @@ struct Face {
   double u0, u1, v0, v1;
 };
 
+/// A face that closes round an axis overlaps itself by so much: what is nearest to a point is
+/// looked for around the nearest sample, and not beyond the face's ends.
+constexpr double kSeam_rad = 0.1;
+constexpr double kAround_rad = 2 * kPi + kSeam_rad;
+
 std::vector<Face> FacesOf(const VoidPrimitive& v) {
   const double r = v.radius_m, l = v.length_m;
-  std::vector<Face> faces{{0, 0, l, 0, 2 * kPi * r}, {1, -r, r, -r, r}, {2, -r, r, -r, r}};
+  std::vector<Face> faces{{0, 0, l, 0, kAround_rad * r}, {1, -r, r, -r, r}, {2, -r, r, -r, r}};
   if (v.profile == Profile::kU) {
     const double top = v.wall_height_m;
-    faces[0].v0 = kPi * r;  // the lower half
+    faces[0] = {0, 0, l, kPi * r, 2 * kPi * r};  // the lower half
     faces[1] = {1, -r, r, -r, std::max(top, 0.0)};
     faces[2] = {2, -r, r, -r, std::max(top, 0.0)};
     if (top > 0.0) {
@@ -141,17 +146,18 @@ struct Faces {
   }
   std::vector<Face> operator()(const Ball& ball) const {
     const double r = ball.radius_m, foot = std::max(-r, ball.foot_m);
-    return {{0, 0, r * std::acos(foot / r), 0, 2 * kPi * r},
-            {1, 0, std::sqrt(r * r - foot * foot), 0, 2 * kPi * r}};
+    return {{0, 0, r * std::acos(foot / r), 0, kAround_rad * r},
+            {1, 0, std::sqrt(r * r - foot * foot), 0, kAround_rad * r}};
   }
   std::vector<Face> operator()(const Ridge& ridge) const {
     const double ri = ridge.inner_radius_m, ro = ridge.outer_radius_m, l = ridge.axis.length_m;
-    const double a = std::min(ridge.half_arc_rad, kPi);
+    const bool full = ridge.half_arc_rad >= kPi;
+    const double a = full ? kPi + kSeam_rad : ridge.half_arc_rad;
     std::vector<Face> faces{{0, 0, l, -a * ri, a * ri},
                             {1, ri, ro, -a * ro, a * ro},
                             {2, ri, ro, -a * ro, a * ro},
                             {5, 0, l, -a * ro, a * ro}};  // seen where an inlet enters beside it
-    if (a < kPi) {
+    if (!full) {
       faces.push_back({3, 0, l, ri, ro});
       faces.push_back({4, 0, l, ri, ro});
     }
@@ -167,9 +173,9 @@ struct Faces {
   }
   std::vector<Face> operator()(const Stub& stub) const {
     const double ri = stub.inner_radius_m, ro = stub.outer_radius_m;
-    return {{0, stub.start_m, stub.end_m, 0, 2 * kPi * ri},
-            {1, stub.start_m, stub.end_m, 0, 2 * kPi * ro},
-            {2, ri, ro, 0, 2 * kPi * ro}};
+    return {{0, stub.start_m, stub.end_m, 0, kAround_rad * ri},
+            {1, stub.start_m, stub.end_m, 0, kAround_rad * ro},
+            {2, ri, ro, 0, kAround_rad * ro}};
   }
 };
 
