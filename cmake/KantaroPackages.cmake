@@ -3,7 +3,6 @@ find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(yaml-cpp REQUIRED)
 find_package(OpenSSL REQUIRED COMPONENTS Crypto)
-find_package(ZLIB REQUIRED)
 find_package(fmt REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(Boost REQUIRED)
@@ -13,6 +12,8 @@ find_package(embree 3 REQUIRED)
 # Headers alone: the program opens the library it draws with at run time.
 find_path(OSMESA_INCLUDE_DIR GL/osmesa.h REQUIRED)
 find_path(EGL_INCLUDE_DIR EGL/egl.h REQUIRED)
+find_path(DEFLATE_INCLUDE_DIR libdeflate.h REQUIRED)
+find_library(DEFLATE_LIBRARY deflate REQUIRED)
 
 # OpenCV's modules by their own small packages: its CMake package stands in libopencv-dev only, which
 # needs 210 more packages.
