@@ -4,59 +4,26 @@
 #include <cmath>
 #include <numbers>
 
+#include "perception/mouth_search.hpp"
+
 namespace kantaro::perception {
 namespace {
 
 constexpr std::size_t kPictures = 3;  ///< kept, of each camera
 constexpr double kStep = 0.003;       ///< of the distances tried, as a share
-constexpr double kTogether_m = 0.03;  ///< what lies so close to a distance speaks for it
 
 /// How much each sign says [log odds]: logistic regression among all distances, on training views.
 constexpr double kJointWeight = 0.93;
-constexpr double kStepWeight = 0.42, kLeastStep = -4.0, kMostStep = 6.0;
-constexpr double kSidesWeight = 33.8, kMostSides = 0.5, kEndWallWeight = 5.4;
-constexpr double kOuterWeight = 17.1, kInnerWeight = 32.8, kJumpWeight = 3.3;
 
 constexpr double kFarthestInlet_m = 1.0, kInletStep = 0.02, kInletDeviation = 0.01;
 constexpr double kInletWeight = 3.0, kEdgeWeight = 20.0;
 constexpr double kPoseError_m = 0.006;
-constexpr double kJointPixels = 0.5, kMouthPixels = 0.7;  ///< deviation of a ring's radius
-constexpr double kWidening_m = 0.5;  ///< a shaft is wider than its pipe by so much (thesis 5.2)
+constexpr double kJointPixels = 0.5;  ///< deviation of a ring's radius
+constexpr double kWidening_m = 0.5;   ///< a shaft is wider than its pipe by so much (thesis 5.2)
 
 double CameraHeight(double pipe_diameter_m) {
   // Where the robot stands on its wheels (docs/robot.md): the wheels' treads are leaned outwards.
   return 0.56 * (0.300 - pipe_diameter_m);
-}
-
-/// A distance tried, and the logarithm of how likely it is, but for a constant.
-struct Tried {
-  double distance_m{}, log_odds{};
-};
-
-/// The likeliest stretch: where it lies, and how far the truth may be from there, in that stretch
-/// or any other. Distances are as likely as each other before anything is seen.
-RangedLandmark Likeliest(const std::vector<Tried>& tried) {
-  double most = -HUGE_VAL;
-  for (const Tried& one : tried) most = std::max(most, one.log_odds);
-  std::vector<double> share;  // distances tried lie closer together where they are short
-  for (const Tried& one : tried) share.push_back(one.distance_m * std::exp(one.log_odds - most));
-  double all = 0.0, best = -1.0, mean_m = 0.0;
-  for (std::size_t i = 0; i < tried.size(); ++i) {
-    all += share[i];
-    double sum = 0.0, first = 0.0;
-    for (std::size_t j = 0; j < tried.size(); ++j) {
-      if (std::abs(tried[j].distance_m - tried[i].distance_m) > kTogether_m) continue;
-      sum += share[j];
-      first += share[j] * tried[j].distance_m;
-    }
-    if (sum <= best) continue;
-    best = sum;
-    mean_m = first / sum;
-  }
-  double variance = 0.0;
-  for (std::size_t i = 0; i < tried.size(); ++i)
-    variance += share[i] / all * std::pow(tried[i].distance_m - mean_m, 2.0);
-  return {mean_m, std::sqrt(variance)};
 }
 
 }  // namespace
@@ -119,11 +86,7 @@ double LandmarkTracker::SumAt(double distance_m, PickScores pick) const {
   double sum = 0.0;
   int seen = 0;
   for (const Sight& sight : sights_) {
-    const std::vector<double>& scores = pick(sight.rings).significance;
-    const double column = sight.rings.ColumnOf(Ahead(sight, distance_m));
-    const auto k = static_cast<int>(std::floor(column));
-    if (k < 0 || k + 1 >= static_cast<int>(scores.size())) continue;
-    const double score = scores[k] + (column - k) * (scores[k + 1] - scores[k]);
+    const double score = sight.rings.At(pick(sight.rings), Ahead(sight, distance_m));
     if (score < RingScan::kUnseen / 2.0) continue;
     sum += score;
     ++seen;
@@ -141,7 +104,7 @@ RangedLandmark LandmarkTracker::Doubted(const RangedLandmark& found, double pixe
 std::optional<RangedLandmark> LandmarkTracker::FindJoint() const {
   constexpr PickScores kBright = [](const RingScan::Scanned& s) -> const auto& { return s.bright; };
   constexpr PickScores kDark = [](const RingScan::Scanned& s) -> const auto& { return s.dark; };
-  std::vector<Tried> tried;
+  std::vector<TriedDistance> tried;
   for (double d = parameters_.near_m; d <= parameters_.far_m; d *= 1.0 + kStep)
     tried.push_back({d, kJointWeight * std::max(SumAt(d, kBright), SumAt(d, kDark))});
   RangedLandmark found = Likeliest(tried);
@@ -170,35 +133,21 @@ double LandmarkTracker::RefineJoint(double distance_m, PickScores pick) const {
   return weights > 0.0 ? sum / weights : distance_m;
 }
 
-/// A step shows at the mouth, unless a channel's wall goes on smoothly; behind it, the picture is
-/// brighter than a pipe's wall would be, and where the channel goes straight on or ends the far
-/// wall of the shaft stands out, or where it turns its walls' edges.
 std::optional<RangedLandmark> LandmarkTracker::FindMouth() const {
-  constexpr PickScores kMouth = [](const RingScan::Scanned& s) -> const auto& { return s.mouth; };
-  std::vector<Tried> tried;
-  for (double d = parameters_.near_m; d <= parameters_.far_m; d *= 1.0 + kStep) {
-    double behind = 0.0;
-    for (const Sight& sight : sights_) {
-      const double there_m = Ahead(sight, d);
-      const ShaftView::EndWall end = shaft_->EndWallAt(sight.shaft, there_m);
-      const ShaftView::Turn turn = shaft_->TurnAt(sight.shaft, there_m);
-      behind += kSidesWeight * std::min(end.Sides(), kMostSides) + kEndWallWeight * end.All() +
-                kOuterWeight * turn.outer + kInnerWeight * turn.inner +
-                kJumpWeight * shaft_->Jump(sight.shaft, there_m);
-    }
-    tried.push_back({d, kStepWeight * std::clamp(SumAt(d, kMouth), kLeastStep, kMostStep) +
-                            behind / static_cast<double>(sights_.size())});
-  }
-  return Doubted(Likeliest(tried), kMouthPixels);
+  std::vector<MouthSight> sights;
+  for (const Sight& sight : sights_)
+    sights.push_back({sight.rings, sight.shaft, Ahead(sight, 0.0)});
+  return perception::FindMouth(*shaft_, sights, parameters_.near_m, parameters_.far_m,
+                               camera_.focal_px * sizes_.pipe_diameter_m / 2.0);
 }
 
 std::optional<RangedLandmark> LandmarkTracker::FindInlet() const {
   const bool left = kind_ == LandmarkKind::kInletLeft;
   InletFit best;
-  std::vector<Tried> tried;
+  std::vector<TriedDistance> tried;
   double most = -HUGE_VAL;
   for (double d = parameters_.near_m; d <= kFarthestInlet_m; d *= 1.0 + kInletStep) {
-    Tried here{d, -HUGE_VAL};
+    TriedDistance here{d, -HUGE_VAL};
     for (double up = -0.25; up <= 0.65; up += 0.09) {
       const InletFit fit{d, left ? std::numbers::pi + up : -up, Eigen::Vector2d::Zero(), 0.0};
       const double signs = Darkness(fit) + kEdgeWeight * ScoreOf(fit);

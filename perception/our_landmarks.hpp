@@ -6,16 +6,11 @@
 #include "perception/landmark_distance.hpp"
 #include "perception/ring_scan.hpp"
 #include "perception/shaft_view.hpp"
+#include "perception/tried_distance.hpp"
 #include "perception/wall_motion.hpp"
 #include "perception/wall_pose.hpp"
 
 namespace kantaro::perception {
-
-/// A distance and how far it may be off, before calibration.
-struct RangedLandmark {
-  double distance_m{};
-  double deviation_m{};
-};
 
 /// Follows an approach to one landmark with one camera or a pair (`ours`, docs/localisation.md).
 /// How the pipe lies is found from the fall of light in the first picture and from the wall's

@@ -298,6 +298,14 @@ RingScan::Scanned RingScan::Scan(const cv::Mat& log_brightness, const WallPose& 
   return scanned;
 }
 
+double RingScan::Scanned::At(const Scores& scores, double distance_m) const {
+  const double column = ColumnOf(distance_m);
+  const auto k = static_cast<int>(std::floor(column));
+  if (k < 0 || k + 1 >= static_cast<int>(scores.significance.size())) return kUnseen;
+  const double before = scores.significance[k], after = scores.significance[k + 1];
+  return before + (column - k) * (after - before);
+}
+
 RingScan::Ring RingScan::Refine(const Scanned& scanned, const Scores& scores, int column) {
   cv::Point2d offset = scores.offset[column];
   const auto at = [&](double k, cv::Point2d about) {

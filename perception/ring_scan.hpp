@@ -36,6 +36,8 @@ class RingScan {
     [[nodiscard]] double ColumnOf(double distance_m) const {
       return ring_px_m / distance_m - first_px;
     }
+    /// Significance between columns; kUnseen beyond them.
+    [[nodiscard]] double At(const Scores& scores, double distance_m) const;
   };
 
   /// @throws std::invalid_argument for a radius that is not above 0.
