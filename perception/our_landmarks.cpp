@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "perception/mouth_search.hpp"
 
@@ -14,10 +13,6 @@ constexpr double kStep = 0.003;       ///< of the distances tried, as a share
 
 /// How much each sign says [log odds]: logistic regression among all distances, on training views.
 constexpr double kJointWeight = 0.93;
-
-constexpr double kFarthestInlet_m = 1.0, kInletStep = 0.02, kInletDeviation = 0.01;
-constexpr double kInletWeight = 3.0, kEdgeWeight = 20.0;
-constexpr double kPoseError_m = 0.006;
 constexpr double kJointPixels = 0.5;  ///< deviation of a ring's radius
 constexpr double kWidening_m = 0.5;   ///< a shaft is wider than its pipe by so much (thesis 5.2)
 
@@ -33,14 +28,16 @@ LandmarkTracker::LandmarkTracker(const robot::Description& description, const ro
                                  LandmarkKind kind, const KnownSizes& sizes)
     : camera_(camera),
       parameters_(parameters),
-      kind_(kind),
       sizes_(sizes),
       baseline_m_(baseline_m),
       camera_height_m_(CameraHeight(sizes.pipe_diameter_m)),
       lamps_(LampsBefore(description, camera)) {
   const double radius_m = sizes.pipe_diameter_m / 2.0;
-  if (ClassOf(kind) != LandmarkClass::kInlet)
-    scan_.emplace(camera, radius_m, parameters.near_m, parameters.far_m + 0.3);
+  if (ClassOf(kind) == LandmarkClass::kInlet) {
+    inlet_.emplace(camera, lamps_, sizes, kind == LandmarkKind::kInletLeft, parameters.near_m);
+    return;
+  }
+  scan_.emplace(camera, radius_m, parameters.near_m, parameters.far_m + 0.3);
   if (kind == LandmarkKind::kJoint) return;
   shaft_.emplace(
       camera, lamps_, radius_m,
@@ -62,7 +59,7 @@ std::optional<RangedLandmark> LandmarkTracker::Update(const cv::Mat& brightness,
     passing.push_back({sight.log_brightness, sight.travel_m, sight.right_m});
   motion_ = FollowWall(camera_, radius_m, passing, motion_.pose);
   Scan();
-  if (!scan_) return FindInlet();
+  if (inlet_) return FindInlet();
   return shaft_ ? FindMouth() : FindJoint();
 }
 
@@ -142,141 +139,10 @@ std::optional<RangedLandmark> LandmarkTracker::FindMouth() const {
 }
 
 std::optional<RangedLandmark> LandmarkTracker::FindInlet() const {
-  const bool left = kind_ == LandmarkKind::kInletLeft;
-  InletFit best;
-  std::vector<TriedDistance> tried;
-  double most = -HUGE_VAL;
-  for (double d = parameters_.near_m; d <= kFarthestInlet_m; d *= 1.0 + kInletStep) {
-    TriedDistance here{d, -HUGE_VAL};
-    for (double up = -0.25; up <= 0.65; up += 0.09) {
-      const InletFit fit{d, left ? std::numbers::pi + up : -up, Eigen::Vector2d::Zero(), 0.0};
-      const double signs = Darkness(fit) + kEdgeWeight * ScoreOf(fit);
-      here.log_odds = std::max(here.log_odds, kInletWeight * signs);
-      if (signs <= most) continue;
-      most = signs;
-      best = fit;
-    }
-    tried.push_back(here);
-  }
-  const auto try_it = [&](const InletFit& fit) {
-    InletFit tried_fit = fit;
-    tried_fit.score = ScoreOf(tried_fit);
-    if (tried_fit.score > best.score) best = tried_fit;
-  };
-  best.score = ScoreOf(best);
-  double step = 1.0;
-  for (int pass = 0; pass < 7; ++pass, step *= 0.6) {
-    for (int repeat = 0; repeat < 2; ++repeat) {
-      for (const double sign : {-1.0, 1.0}) {
-        const double by = sign * step;
-        InletFit fit = best;
-        fit.distance_m *= 1.0 + 0.02 * by;
-        try_it(fit);
-        // Along the line of sight: farther, and the wall as much farther off.
-        fit = best;
-        fit.distance_m *= 1.0 + 0.03 * by;
-        const double out_m = 0.03 * by * sizes_.pipe_diameter_m / 2.0;
-        fit.off_m += out_m * Eigen::Vector2d(std::cos(fit.angle_rad), std::sin(fit.angle_rad));
-        try_it(fit);
-        fit = best;
-        fit.angle_rad += 0.05 * by;
-        try_it(fit);
-        fit = best;
-        fit.off_m.x() += 0.004 * by;
-        try_it(fit);
-        fit = best;
-        fit.off_m.y() += 0.004 * by;
-        try_it(fit);
-      }
-    }
-  }
-  const double doubt_m = Likeliest(tried).deviation_m;
-  return RangedLandmark{best.distance_m, std::hypot(kInletDeviation * best.distance_m, doubt_m)};
-}
-
-/// By how many deviations a mouth here would be darker than the wall about it, against what is
-/// usual on the wall.
-double LandmarkTracker::Darkness(const InletFit& fit) const {
-  constexpr int kAngles = 16;
-  constexpr double kInside[] = {0.3, 0.6, 0.85}, kOutside[] = {1.15, 1.35};
-  constexpr double kSeen = 0.4, kLeast = 0.15;
-  const double radius_m = sizes_.inlet_diameter_m / 2.0, pipe_m = sizes_.pipe_diameter_m / 2.0;
-  struct Sums {
-    double n{}, x{}, xx{};
-    void Add(double value) {
-      n += 1.0;
-      x += value;
-      xx += value * value;
-    }
-    [[nodiscard]] double Mean() const { return x / n; }
-    [[nodiscard]] double Variance() const { return std::max(0.0, xx / n - Mean() * Mean()); }
-  } inside, outside;
-  for (const Sight& sight : sights_) {
-    const PipeWall wall(camera_, pipe_m, sight.pose);
-    const double there_m = Ahead(sight, fit.distance_m);
-    const auto add = [&](Sums& to, double scale) {
-      for (int i = 0; i < kAngles; ++i) {
-        const double a = 2.0 * std::numbers::pi * i / kAngles;
-        const double along_m = there_m + scale * radius_m * std::cos(a);
-        if (along_m < 0.1) continue;
-        const double angle =
-            fit.angle_rad +
-            std::asin(std::clamp(scale * radius_m * std::sin(a) / pipe_m, -0.99, 0.99));
-        const double excess =
-            shaft_->Excess(sight.shaft, wall, along_m, {std::cos(angle), std::sin(angle)});
-        if (!std::isnan(excess)) to.Add(std::clamp(excess, -1.0, 1.0));
-      }
-    };
-    for (const double scale : kInside) add(inside, scale);
-    for (const double scale : kOutside) add(outside, scale);
-  }
-  const double all = static_cast<double>(kAngles * sights_.size());
-  if (inside.n < kSeen * all * std::size(kInside) || outside.n < kSeen * all * std::size(kOutside))
-    return 0.0;
-  const double spread = std::sqrt(kLeast * kLeast + (inside.Variance() + outside.Variance()) / 2.0);
-  const double seen = std::pow((inside.n + outside.n) / (5.0 * all), 1.5);
-  return seen * (outside.Mean() - inside.Mean()) / spread;
-}
-
-/// Mean of what the wall about an inlet's mouth is brighter than the mouth, in logarithms, over all
-/// pictures; less what speaks against moving the axis.
-double LandmarkTracker::ScoreOf(const InletFit& fit) const {
-  constexpr int kPoints = 32;
-  constexpr double kBeside = 0.14;  // of the mouth's radius
-  const double radius_m = sizes_.inlet_diameter_m / 2.0, pipe_m = sizes_.pipe_diameter_m / 2.0;
-  double sum = 0.0;
-  int seen = 0;
-  for (const Sight& sight : sights_) {
-    const double there_m = Ahead(sight, fit.distance_m);
-    WallPose pose = sight.pose;
-    pose.off_m += fit.off_m;
-    const PipeWall wall(camera_, pipe_m, pose);
-    const auto look = [&](double scale, double a) -> std::optional<double> {
-      const double along_m = there_m + scale * radius_m * std::cos(a);
-      const double angle =
-          fit.angle_rad +
-          std::asin(std::clamp(scale * radius_m * std::sin(a) / pipe_m, -0.99, 0.99));
-      if (along_m < 0.1) return {};
-      const cv::Point2d p = wall.Project(along_m, {std::cos(angle), std::sin(angle)});
-      const int x = static_cast<int>(p.x), y = static_cast<int>(p.y);
-      if (x < 1 || y < 1 || x > camera_.width_px - 3 || y > camera_.height_px - 3) return {};
-      const double fx = p.x - x, fy = p.y - y;
-      const float* const row = sight.log_brightness.ptr<float>(y);
-      const float* const next = sight.log_brightness.ptr<float>(y + 1);
-      return (row[x] * (1.0 - fx) + row[x + 1] * fx) * (1.0 - fy) +
-             (next[x] * (1.0 - fx) + next[x + 1] * fx) * fy;
-    };
-    for (int i = 0; i < kPoints; ++i) {
-      const double a = 2.0 * std::numbers::pi * i / kPoints;
-      const auto outside = look(1.0 + kBeside, a), inside = look(1.0 - kBeside, a);
-      if (!outside || !inside) continue;
-      sum += std::clamp(*outside - *inside, -0.4, 0.4);
-      ++seen;
-    }
-  }
-  const double most = static_cast<double>(kPoints) * static_cast<double>(sights_.size());
-  if (seen < 0.35 * most) return 0.0;
-  return sum / seen - 0.02 * fit.off_m.squaredNorm() / (kPoseError_m * kPoseError_m);
+  std::vector<InletSight> sights;
+  for (const Sight& sight : sights_)
+    sights.push_back({sight.log_brightness, sight.pose, Ahead(sight, 0.0)});
+  return inlet_->Find(sights);
 }
 
 }  // namespace kantaro::perception

@@ -3,7 +3,9 @@
 #include <optional>
 #include <vector>
 
+#include "perception/inlet_search.hpp"
 #include "perception/landmark_distance.hpp"
+#include "perception/ranged_landmark.hpp"
 #include "perception/ring_scan.hpp"
 #include "perception/shaft_view.hpp"
 #include "perception/tried_distance.hpp"
@@ -40,17 +42,8 @@ class LandmarkTracker {
     ShaftView::Sight shaft;   ///< if a manhole is
   };
 
-  /// A side inlet's mouth: where the pipe's wall and a branch of known diameter meet.
-  struct InletFit {
-    double distance_m{}, angle_rad{};  ///< about the axis: 0 to the right, a quarter turn downwards
-    Eigen::Vector2d off_m{Eigen::Vector2d::Zero()};  ///< of the axis from where the pose puts it
-    double score{};
-  };
-
   void Scan();
   [[nodiscard]] double Ahead(const Sight& sight, double distance_m) const;
-  [[nodiscard]] double Darkness(const InletFit& fit) const;
-  [[nodiscard]] double ScoreOf(const InletFit& fit) const;
   [[nodiscard]] std::optional<RangedLandmark> FindJoint() const;
   [[nodiscard]] std::optional<RangedLandmark> FindMouth() const;
   [[nodiscard]] std::optional<RangedLandmark> FindInlet() const;
@@ -61,12 +54,12 @@ class LandmarkTracker {
 
   robot::Camera camera_;
   LandmarkParameters parameters_;
-  LandmarkKind kind_;
   KnownSizes sizes_;
   double baseline_m_, camera_height_m_;
   std::vector<Eigen::Vector3d> lamps_;
   std::optional<RingScan> scan_;
   std::optional<ShaftView> shaft_;
+  std::optional<InletSearch> inlet_;
   std::vector<Sight> sights_;  ///< the left camera's last one is the last
   WallMotion motion_;
 };
