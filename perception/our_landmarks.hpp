@@ -5,7 +5,6 @@
 
 #include "perception/inlet_search.hpp"
 #include "perception/landmark_distance.hpp"
-#include "perception/ranged_landmark.hpp"
 #include "perception/ring_scan.hpp"
 #include "perception/shaft_view.hpp"
 #include "perception/tried_distance.hpp"
