@@ -123,7 +123,7 @@ stereo::Parameters ReadStereo(const YamlNode& node) {
   node.AllowOnly({"method", "min_disparity_px", "disparities", "subpixel", "gaussian_window_px",
                   "gaussian_px", "window_px", "least_deviation", "feature_threshold",
                   "function_value_constraint", "peak_ratio", "neighbour_threshold_px", "ssd_scale",
-                  "gradient_scale", "corner_disparity"});
+                  "gradient_scale", "corner_disparity", "corner_support", "steepest_wall"});
   stereo::Parameters p;
   p.method = ReadName(node["method"], stereo::Methods(), "a matching method");
   p.min_disparity_px = static_cast<int>(node["min_disparity_px"].Integer(0, 4096));
@@ -142,6 +142,8 @@ stereo::Parameters ReadStereo(const YamlNode& node) {
   p.gradient_scale = node["gradient_scale"].Number(0.01, 1e6);
   p.corner_disparity =
       ReadName<CornerDisparity>(node["corner_disparity"], kCorners, "a corner's disparity");
+  p.corner_support = static_cast<int>(node["corner_support"].Integer(0, 8));
+  p.steepest_wall = node["steepest_wall"].Number(0, 1000);
   return p;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <opencv2/core.hpp>
 #include <opencv2/core/hal/intrin.hpp>
 #include <vector>
 
@@ -223,8 +224,31 @@ cv::Mat MatchCorners(const Frame& frame) {
   return corners;
 }
 
+cv::Mat KeepSupported(const cv::Mat& corners, const Parameters& parameters) {
+  if (parameters.corner_support == 0) return corners;
+  cv::Mat framed, kept = corners.clone();
+  cv::copyMakeBorder(corners, framed, 1, 1, 1, 1, cv::BORDER_REFLECT_101 | cv::BORDER_ISOLATED);
+  const double beside = parameters.steepest_wall * kBlock_px, across = std::sqrt(2.0) * beside;
+  for (int y = 0; y < kept.rows; ++y) {
+    for (int x = 0; x < kept.cols; ++x) {
+      float& corner = kept.at<float>(y, x);
+      int support = 0;
+      for (int j = -1; j <= 1; ++j) {
+        const float* const neighbours = framed.ptr<float>(y + j + 1) + x;
+        for (int i = 0; i <= 2; ++i) {  // counts the corner itself, too
+          const double most = j == 0 || i == 1 ? beside : across;
+          support += std::abs(neighbours[i] - corner) <= most ? 1 : 0;
+        }
+      }
+      if (support <= parameters.corner_support) corner = kNone;
+    }
+  }
+  return kept;
+}
+
 cv::Mat MatchFast(const Frame& frame, Interpolation interpolation) {
-  return Interpolate(MatchCorners(frame), frame.left.size(), interpolation);
+  return Interpolate(KeepSupported(MatchCorners(frame), frame.parameters), frame.left.size(),
+                     interpolation);
 }
 
 }  // namespace kantaro::perception::stereo

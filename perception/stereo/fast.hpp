@@ -7,7 +7,8 @@
 
 namespace kantaro::perception::stereo {
 
-/// Fast stereo matching by interpolation (thesis section 5.4): MatchCorners, then Interpolate.
+/// Fast stereo matching by interpolation (thesis section 5.4): MatchCorners, KeepSupported,
+/// Interpolate.
 /// @returns CV_32F, NaN where there is none.
 [[nodiscard]] cv::Mat MatchFast(const Frame& frame, Interpolation interpolation);
 
@@ -19,5 +20,9 @@ namespace kantaro::perception::stereo {
 /// A corner so near the border that its window leaves the image is matched at the nearest place
 /// where it fits.
 [[nodiscard]] cv::Mat MatchCorners(const Frame& frame);
+
+/// The corners whose disparity has Parameters::corner_support, the others with none. A corner
+/// without disparity supports no neighbour; at the border the neighbours there are count twice.
+[[nodiscard]] cv::Mat KeepSupported(const cv::Mat& corners, const Parameters& parameters);
 
 }  // namespace kantaro::perception::stereo

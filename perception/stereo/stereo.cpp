@@ -10,12 +10,13 @@
 #include "perception/stereo/fast.hpp"
 #include "perception/stereo/frame.hpp"
 #include "perception/stereo/linear_computation.hpp"
+#include "perception/stereo/semi_global.hpp"
 #include "perception/stereo/window_matching.hpp"
 
 namespace kantaro::perception::stereo {
 namespace {
 
-constexpr std::array<std::pair<const char*, Method>, 9> kMethods{
+constexpr std::array<std::pair<const char*, Method>, 10> kMethods{
     {{"ssd-plain", Method::kSsdPlain},
      {"ssd", Method::kSsd},
      {"gradient", Method::kGradient},
@@ -24,7 +25,8 @@ constexpr std::array<std::pair<const char*, Method>, 9> kMethods{
      {"cooperative", Method::kCooperative},
      {"fast-nearest", Method::kFastNearest},
      {"fast-linear", Method::kFastLinear},
-     {"fast-cubic", Method::kFastCubic}}};
+     {"fast-cubic", Method::kFastCubic},
+     {"ours", Method::kOurs}}};
 
 void Require(bool holds, const char* demand) {
   if (!holds) throw std::invalid_argument(fmt::format("stereo matching: {}", demand));
@@ -49,6 +51,8 @@ void RequireRanges(const Parameters& p) {
   Require(p.ssd_scale > 0 && p.ssd_scale <= 1e6, "ssd_scale must be above 0, at most 1e6");
   Require(p.gradient_scale > 0 && p.gradient_scale <= 1e6,
           "gradient_scale must be above 0, at most 1e6");
+  Require(p.corner_support >= 0 && p.corner_support <= 8, "corner_support must be 0 to 8");
+  Require(p.steepest_wall >= 0 && p.steepest_wall <= 1e3, "steepest_wall must be 0 to 1000");
 }
 
 std::string TypeOf(const cv::Mat& image) {
@@ -140,6 +144,8 @@ DisparityMap Match(const cv::Mat& left, const cv::Mat& right, const Parameters& 
       return {MatchFast(frame, Interpolation::kLinear)};
     case Method::kFastCubic:
       return {MatchFast(frame, Interpolation::kCubic)};
+    case Method::kOurs:
+      return {MatchSemiGlobal(Frame(left, right, parameters))};
   }
   throw std::invalid_argument("stereo matching: no such method");
 }

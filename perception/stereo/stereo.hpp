@@ -22,6 +22,7 @@ enum class Method {
   kFastNearest,  ///< section 5.4: matched at the corners of blocks only, interpolated between them
   kFastLinear,
   kFastCubic,
+  kOurs,  ///< semi-global, of unsmoothed images, refined below the pixel whatever `subpixel` says
 };
 
 /// Every method with its name in files and reports.
@@ -65,6 +66,12 @@ struct Parameters {
   double ssd_scale{16};
   double gradient_scale{32};  ///< G0, eq. 5.11
   CornerDisparity corner_disparity{CornerDisparity::kCombined};
+  /// A corner's disparity stands if those of so many of its eight neighbours differ from it by no
+  /// more than steepest_wall times their distance [px/px]. Ours, by what the thesis builds on, that
+  /// disparities change continuously (section 5.4); 0 lets all stand, as the thesis does. A pipe's
+  /// wall changes by baseline / radius.
+  int corner_support{4};
+  double steepest_wall{0.6};
 };
 
 /// What a matcher found, of the left image's size.

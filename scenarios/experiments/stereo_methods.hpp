@@ -14,6 +14,7 @@ namespace kantaro::scenarios {
 struct StereoMethod {
   std::string name;     ///< as perception.yaml names it, or stereobm, stereosgbm
   std::string variant;  ///< what departs from the parameters, "" for nothing
+  bool falloff{};       ///< sees pictures as the lens gives them, darker off its axis
   /// 8-bit images to disparities [px], CV_32F, NaN where there is none.
   std::function<cv::Mat(const cv::Mat& left, const cv::Mat& right)> match;
 };

@@ -106,7 +106,7 @@ Json Run(const ExperimentOptions& options) {
   for (const StereoView& view : views) {
     for (const StereoMethod& method : methods) {
       const double start_ms = ProcessorTime_ms();
-      const cv::Mat disparity = method.match(view.left, view.right);
+      const cv::Mat disparity = method.match(view.flat.left, view.flat.right);
       times_ms[method.name].push_back(ProcessorTime_ms() - start_ms);
       options.progress(++done, views.size() * methods.size());
     }
@@ -117,8 +117,8 @@ Json Run(const ExperimentOptions& options) {
   Json rows = Json::array();
   bool passed = true;
   for (const StereoMethod& method : methods) {
-    rows.push_back(
-        ToJson(method.name, medians_ms, trials, static_cast<double>(views.front().left.total())));
+    rows.push_back(ToJson(method.name, medians_ms, trials,
+                          static_cast<double>(views.front().flat.left.total())));
     passed = passed && Keeps(rows.back());
   }
   return {{"experiment", "stereo-speed"},

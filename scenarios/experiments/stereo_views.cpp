@@ -4,6 +4,7 @@
 
 #include "base/random.hpp"
 #include "perception/brightness.hpp"
+#include "robot/flat_field.hpp"
 #include "robot/rectifier.hpp"
 #include "scenarios/experiments/fine_drawing.hpp"
 #include "sim/imager.hpp"
@@ -48,7 +49,8 @@ class StereoStage::Impl {
         mast_m_(description.MastHeight(diameter_m)),
         world_(sim::BuildWorld(PipeToAManhole(diameter_m), texture_seed, true)),
         renderer_(world_.scenery, FineOptions(Largest())),
-        rectifier_(description_) {}
+        rectifier_(description_),
+        flat_field_(description_) {}
 
   StereoView See(double distance_m, double light, std::uint64_t seed, const std::string& stream) {
     const Isometry3d X_BL = Mount(description_.stereo_left.link);
@@ -57,12 +59,9 @@ class StereoStage::Impl {
     const robot::StereoPair pair = rectifier_.Rectify(
         {perception::Brightness(Photograph(X_WB, description_.stereo_left, light, seed, stream)),
          perception::Brightness(Photograph(X_WB, description_.stereo_right, light, seed, stream))});
-    return {pair.left,
-            pair.right,
-            renderer_.RenderDepth(RectifiedLeft(X_WB)),
-            distance_m,
-            description_.stereo_left.focal_px,
-            robot::StereoBaseline_m(description_)};
+    return {
+        pair,       flat_field_.Flatten(pair),         renderer_.RenderDepth(RectifiedLeft(X_WB)),
+        distance_m, description_.stereo_left.focal_px, robot::StereoBaseline_m(description_)};
   }
 
  private:
@@ -127,6 +126,7 @@ class StereoStage::Impl {
   sim::Renderer renderer_;
   sim::Imager::Scratch scratch_;
   const robot::StereoRectifier rectifier_;
+  const robot::StereoFlatField flat_field_;
 };
 
 StereoStage::StereoStage(const robot::Description& description, double diameter_m,

@@ -6,14 +6,16 @@
 #include <string>
 
 #include "robot/description.hpp"
+#include "robot/readings.hpp"
 #include "sim/renderer.hpp"
 
 namespace kantaro::scenarios {
 
 /// What the stereo cameras see of a manhole's mouth ahead, and what is really there.
 struct StereoView {
-  /// 8-bit brightness as the robot's code gets it: through lens and sensor, then rectified.
-  cv::Mat left, right;
+  /// 8-bit brightness as the robot's code gets it: through lens and sensor, then rectified, and
+  /// what it makes of that: as bright as on the lenses' axes.
+  robot::StereoPair rectified, flat;
   /// CV_32F, of the rectified left image along its optical axis; 0: nothing in reach
   cv::Mat depth_m;
   double mouth_m{};  ///< from the left camera to where the pipe ends, along the pipe

@@ -76,6 +76,8 @@ TEST(PerceptionParameters, RefuseWrongValues) {
   ExpectRefused("gaussian_window_px: 7", "gaussian_window_px: 8", "stereo.gaussian_window_px");
   ExpectRefused("constraint: as-written", "constraint: on", "stereo.function_value_constraint");
   ExpectRefused("corner_disparity: combined", "corner_disparity: 3", "stereo.corner_disparity");
+  ExpectRefused("corner_support: 4", "corner_support: 9", "stereo.corner_support");
+  ExpectRefused("steepest_wall: 0.6", "steepest_wall: -1", "stereo.steepest_wall");
   ExpectRefused("ignore_joints: true", "ignore_joints: maybe", "faults.ignore_joints");
 }
 

@@ -60,7 +60,7 @@ TEST(StereoMethods, OfOpenCvAndOursAgreeOnAKnownShift) {
 }
 
 TEST(StereoMethods, AreChosenByName) {
-  EXPECT_EQ(ChosenMethods(StereoMethods(From(0)), {}).size(), 11u);
+  EXPECT_EQ(ChosenMethods(StereoMethods(From(0)), {}).size(), 12u);
   const auto chosen = ChosenMethods(StereoMethods(From(0)), {"stereobm", "lc"});
   ASSERT_EQ(chosen.size(), 2u);
   EXPECT_EQ(chosen[0].name, "lc");

@@ -150,6 +150,84 @@ TEST(CornerMatching, SeesTheLowestOfEqualCandidates) {
   EXPECT_GT(CountDisparities({corners}), 10);
 }
 
+/// Corners of a plane that changes by `slope` [px/px] along the rows.
+cv::Mat Plane(double slope) {
+  cv::Mat corners(7, 9, CV_32F);
+  for (int y = 0; y < corners.rows; ++y) {
+    for (int x = 0; x < corners.cols; ++x)
+      corners.at<float>(y, x) = static_cast<float>(20.0 + slope * 8 * x);
+  }
+  return corners;
+}
+
+TEST(SupportOfCorners, LeavesAWallAlone) {
+  for (const double slope : {0.0, 0.3, -0.55})
+    EXPECT_EQ(CountDisparities({KeepSupported(Plane(slope), Parameters{})}), 63) << slope;
+}
+
+// Of a corner's neighbours only those above and below it agree: the others are 7.2 px off.
+TEST(SupportOfCorners, TakesAWallAwayThatNoPipeHas) {
+  EXPECT_EQ(CountDisparities({KeepSupported(Plane(0.9), Parameters{})}), 0);
+  Parameters p;
+  p.steepest_wall = 1.0;
+  EXPECT_EQ(CountDisparities({KeepSupported(Plane(0.9), p)}), 63);
+}
+
+TEST(SupportOfCorners, TakesAWrongCornerAwayAndNoOther) {
+  cv::Mat corners = Plane(0.4);
+  corners.at<float>(3, 4) += 20;
+  const cv::Mat kept = KeepSupported(corners, Parameters{});
+  EXPECT_TRUE(std::isnan(kept.at<float>(3, 4)));
+  EXPECT_EQ(CountDisparities({kept}), 62);
+  Parameters thesis;
+  thesis.corner_support = 0;
+  EXPECT_EQ(CountDisparities({KeepSupported(corners, thesis)}), 63);
+}
+
+// Along a straight edge a corner still has five neighbours on its own side.
+TEST(SupportOfCorners, KeepsBothSidesOfAnEdge) {
+  cv::Mat corners(7, 9, CV_32F, cv::Scalar(20));
+  corners.colRange(4, 9).setTo(60);
+  const cv::Mat kept = KeepSupported(corners, Parameters{});
+  EXPECT_EQ(CountDisparities({kept}), 63);
+}
+
+TEST(SupportOfCorners, DoesNotComeFromCornersWithoutDisparity) {
+  cv::Mat corners(7, 9, CV_32F, cv::Scalar(kNone));
+  corners(cv::Rect(2, 2, 2, 2)).setTo(20);  // three neighbours each
+  EXPECT_EQ(CountDisparities({KeepSupported(corners, Parameters{})}), 0);
+}
+
+// A spot that only the left camera sees, about one corner of a wall at 12 px: what its window
+// matches by chance reaches 16 px far, or is left out.
+TEST(FastStereo, LeavesOutACornerThatItsNeighboursContradict) {
+  const auto twelve = [](int, int) { return 12.0; };
+  Pair pair = Surface({160, 96}, twelve, 6);
+  const Pair other = Surface(
+      {160, 96}, [](int, int) { return 27.0; }, 7);
+  const cv::Rect spot(104 - 4, 48 - 4, 9, 9);
+  other.left(spot).copyTo(pair.left(spot));
+  const auto worst_px = [&](int support, const cv::Rect& around) {
+    Parameters p;
+    p.method = Method::kFastCubic;
+    p.disparities = 32;
+    p.gaussian_window_px = 1;  // so that the spot stays within its corner's window
+    p.corner_support = support;
+    const DisparityMap map = Match(pair.left, pair.right, p);
+    double worst = 0;
+    for (int y = around.y; y < around.y + around.height; ++y) {
+      for (int x = around.x; x < around.x + around.width; ++x) {
+        const float found = map.disparity_px.at<float>(y, x);
+        if (!std::isnan(found)) worst = std::max(worst, std::abs(found - 12.0));
+      }
+    }
+    return worst;
+  };
+  const cv::Rect block(96, 40, 16, 16), all(64, 16, 80, 64);
+  EXPECT_GT(worst_px(0, block), 2.0);
+  EXPECT_LT(worst_px(4, all), 0.5);
+}
+
 // The order of Table 5.2 on a wall that curves as a pipe's does.
 TEST(FastStereo, ErrsLeastWithCubicAndMostWithNearest) {
   const auto wall = [](int x, int y) {

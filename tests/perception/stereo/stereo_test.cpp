@@ -11,6 +11,7 @@
 #include <string>
 
 #include "base/random.hpp"
+#include "robot/flat_field.hpp"
 #include "tests/perception/stereo/stereo_pair.hpp"
 
 namespace kantaro::perception::stereo {
@@ -40,6 +41,8 @@ std::string Complaint(const cv::Mat& left, const cv::Mat& right, const Parameter
 class EveryMethod : public testing::TestWithParam<Method> {
  protected:
   [[nodiscard]] bool windowed() const { return GetParam() != Method::kLc; }
+  /// How far it may be from a whole number of pixels.
+  [[nodiscard]] double tolerance() const { return GetParam() == Method::kOurs ? 0.3 : 0.01; }
 };
 
 // A point further left in the right image has a positive disparity. LC decides pixel by pixel among
@@ -50,7 +53,7 @@ TEST_P(EveryMethod, FindsAKnownShift) {
   const DisparityMap map = Match(pair.left, pair.right, With(GetParam()));
   ASSERT_EQ(map.disparity_px.size(), kSize);
   ASSERT_EQ(map.disparity_px.type(), CV_32F);
-  EXPECT_GT(ShareWithin(map, kInside, nine, 0.01), windowed() ? 0.98 : 0.6);
+  EXPECT_GT(ShareWithin(map, kInside, nine, tolerance()), windowed() ? 0.98 : 0.6);
 }
 
 // The other way round the true disparity of −9 is no candidate.
@@ -67,7 +70,7 @@ TEST_P(EveryMethod, CountsCandidatesFromTheLeastDisparity) {
   Parameters parameters = With(GetParam());
   parameters.min_disparity_px = 25;
   const DisparityMap map = Match(pair.left, pair.right, parameters);
-  EXPECT_GT(ShareWithin(map, {72, 8, 80, 80}, forty, 0.01), windowed() ? 0.98 : 0.6);
+  EXPECT_GT(ShareWithin(map, {72, 8, 80, 80}, forty, tolerance()), windowed() ? 0.98 : 0.6);
 }
 
 // A wall that leans away: a tenth of a pixel a column, which single pixels round.
@@ -86,8 +89,9 @@ TEST_P(EveryMethod, FollowsASlantedPlane) {
 }
 
 TEST_P(EveryMethod, HasNoDisparityWhereACandidateLeavesTheImage) {
-  const Pair pair = Noise({80, 40}, 4);
-  Parameters parameters = With(GetParam());
+  const Pair pair = Surface(
+      {80, 40}, [](int, int) { return 9.0; }, 4);
+  const Parameters parameters = With(GetParam());
   const DisparityMap map = Match(pair.left, pair.right, parameters);
   EXPECT_EQ(CountDisparities({map.disparity_px.colRange(0, 31)}), 0);
   EXPECT_GT(CountDisparities(map), 500);
@@ -171,7 +175,7 @@ TEST_P(EveryMethod, TakesEveryNumberOfDisparitiesAndEveryWindow) {
       parameters.disparities = disparities;
       const DisparityMap map = Match(pair.left, pair.right, parameters);
       if (disparities < 5) continue;
-      EXPECT_GT(ShareWithin(map, {76, 8, 56, 24}, three, 0.01), windowed() ? 0.9 : 0.4)
+      EXPECT_GT(ShareWithin(map, {76, 8, 56, 24}, three, tolerance()), windowed() ? 0.9 : 0.4)
           << window << " " << disparities;
     }
   }
@@ -193,15 +197,15 @@ INSTANTIATE_TEST_SUITE_P(StereoMatching, EveryMethod,
                          testing::Values(Method::kSsdPlain, Method::kSsd, Method::kGradient,
                                          Method::kNcc, Method::kLc, Method::kCooperative,
                                          Method::kFastNearest, Method::kFastLinear,
-                                         Method::kFastCubic),
+                                         Method::kFastCubic, Method::kOurs),
                          NameForTest);
 
-TEST(StereoMatching, KnowsNineMethodsByName) {
+TEST(StereoMatching, KnowsTenMethodsByName) {
   std::set<std::string> names;
   for (const auto& [name, method] : Methods()) names.insert(name);
   EXPECT_EQ(names,
             (std::set<std::string>{"ssd-plain", "ssd", "gradient", "ncc", "lc", "cooperative",
-                                   "fast-nearest", "fast-linear", "fast-cubic"}));
+                                   "fast-nearest", "fast-linear", "fast-cubic", "ours"}));
   EXPECT_FALSE(MethodNamed("census").has_value());
 }
 
@@ -304,6 +308,81 @@ TEST(StereoMatching, CorrelatesOverADifferenceInExposure) {
   pair.right.convertTo(dim, CV_8U, 0.5, 20);
   EXPECT_GT(ShareWithin(Match(pair.left, dim, With(Method::kNcc)), kInside, nine, 0.01), 0.95);
   EXPECT_LT(ShareWithin(Match(pair.left, dim, With(Method::kSsd)), kInside, nine, 0.01), 0.7);
+}
+
+// A wall 20 px of disparity away that gets brighter by e^0.005 a pixel from the middle outwards, as
+// a pipe's does, behind lenses whose light falls off by cos⁴, as a camera shows it (1/2.2). Where
+// the right picture is as bright as the left one at x, 0.005 (|x − d + 20| − |x|) +
+// (ln T(x − d) − ln T(x)) / 2.2 = 0: at 150 px to the right d = 23.6, at 150 px to the left 24.3.
+TEST(StereoMatching, ReadsAWallTooNearUnlessTheLensesFalloffIsUndone) {
+  robot::Camera camera;
+  camera.width_px = 640;
+  camera.height_px = 64;
+  camera.focal_px = 554.0;
+  camera.center_x_px = 319.5;
+  camera.center_y_px = 31.5;
+  const auto picture = [&](double shift_px) {
+    cv::Mat image(camera.height_px, camera.width_px, CV_8U);
+    for (int y = 0; y < image.rows; ++y) {
+      for (int x = 0; x < image.cols; ++x) {
+        // Each row a little brighter, so that not all round alike.
+        const double wall =
+            (50.0 + 0.1 * y) * std::exp(0.005 * std::abs(x + shift_px - camera.center_x_px));
+        const double tangent2 =
+            (std::pow(x - camera.center_x_px, 2.0) + std::pow(y - camera.center_y_px, 2.0)) /
+            (camera.focal_px * camera.focal_px);
+        image.at<std::uint8_t>(y, x) =
+            cv::saturate_cast<std::uint8_t>(wall * std::pow(1.0 + tangent2, -2.0 / 2.2));
+      }
+    }
+    return image;
+  };
+  const cv::Mat left = picture(0.0), right = picture(20.0);
+  const robot::FlatField field(camera, Eigen::Matrix3d::Identity());
+  const auto mean = [](const cv::Mat& disparity_px, int x) {
+    return cv::mean(disparity_px(cv::Rect(x - 10, 24, 21, 16)))[0];
+  };
+  for (const Method method : {Method::kSsd, Method::kFastCubic}) {
+    Parameters parameters = With(method);
+    parameters.disparities = 48;
+    const cv::Mat dark = Match(left, right, parameters).disparity_px;
+    EXPECT_NEAR(mean(dark, 470), 23.6, 0.7) << ToString(method);
+    EXPECT_NEAR(mean(dark, 169), 24.3, 0.7) << ToString(method);
+    const cv::Mat flat = Match(field.Flatten(left), field.Flatten(right), parameters).disparity_px;
+    EXPECT_NEAR(mean(flat, 470), 20.0, 0.5) << ToString(method);
+    EXPECT_NEAR(mean(flat, 169), 20.0, 0.5) << ToString(method);
+  }
+}
+
+// Half the light on one side: squared differences are lost, what is darker than what is not.
+TEST(StereoMatching, OfOursDoesNotCareForExposure) {
+  const auto nine = [](int, int) { return 9.0; };
+  const Pair pair = Surface(kSize, nine, 15);
+  cv::Mat dim;
+  pair.right.convertTo(dim, CV_8U, 0.5, 20);
+  EXPECT_GT(ShareWithin(Match(pair.left, dim, With(Method::kOurs)), kInside, nine, 0.3), 0.9);
+}
+
+// A post in front of a wall hides some of it from the right camera. What lies there is not
+// invented: on the left of the post, where nothing matches, there is nothing.
+TEST(StereoMatching, OfOursAnswersOnlyWhereBothCamerasSee) {
+  const cv::Size size{200, 96};
+  const auto post = [](int x) { return x >= 100 && x < 140; };
+  const auto depth = [&](int x, int) { return post(x) ? 24.0 : 8.0; };
+  Pair pair = Surface(
+      size, [](int, int) { return 8.0; }, 16);
+  const Pair front = Surface(
+      size, [](int, int) { return 24.0; }, 17);
+  for (int x = 100; x < 140; ++x) {
+    front.left.col(x).copyTo(pair.left.col(x));
+    front.right.col(x - 24).copyTo(pair.right.col(x - 24));
+  }
+  const DisparityMap map = Match(pair.left, pair.right, With(Method::kOurs));
+  // The post covers columns 76 to 115 of the right picture: of the wall in the left one 84 to 123,
+  // of which the post itself leaves 84 to 99 to see.
+  EXPECT_GT(ShareWithin(map, {50, 8, 30, 80}, depth, 0.5), 0.95);
+  EXPECT_GT(ShareWithin(map, {104, 8, 32, 80}, depth, 0.5), 0.95);
+  EXPECT_LT(CountDisparities({map.disparity_px(cv::Rect(87, 8, 10, 80))}), 80);
 }
 
 }  // namespace
