@@ -363,6 +363,15 @@ TEST(StereoMatching, OfOursDoesNotCareForExposure) {
   EXPECT_GT(ShareWithin(Match(pair.left, dim, With(Method::kOurs)), kInside, nine, 0.3), 0.9);
 }
 
+TEST(StereoMatching, OfOursSeesFractionsOfAPixel) {
+  for (const double fraction : {9.25, 9.5, 9.75}) {
+    const Pair pair = Surface(
+        kSize, [&](int, int) { return fraction; }, 13);
+    const cv::Mat found = Match(pair.left, pair.right, With(Method::kOurs)).disparity_px(kInside);
+    EXPECT_NEAR(cv::mean(found, found == found)[0], fraction, 0.15);
+  }
+}
+
 // A post in front of a wall hides some of it from the right camera. What lies there is not
 // invented: on the left of the post, where nothing matches, there is nothing.
 TEST(StereoMatching, OfOursAnswersOnlyWhereBothCamerasSee) {
