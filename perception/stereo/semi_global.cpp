@@ -179,6 +179,14 @@ class RowWinners {
   std::vector<std::int16_t> costs_;  ///< of right_
 };
 
+/// Where two equally steep straight lines through three costs at −1, 0 and 1 meet, the middle one
+/// being the least: −0.5 … 0.5. Places that differ grow with the distance, not with its square, and
+/// a parabola would draw everything towards whole pixels.
+double WedgeOffset(int before, int middle, int after) {
+  const int steepness = std::max(before, after) - middle;
+  return steepness > 0 ? 0.5 * (before - after) / steepness : 0.0;
+}
+
 /// Whether what is around a pixel looks like what its candidate shows.
 bool Agrees(const Frame& frame, Volume<std::uint8_t>& costs, int x, int y, int candidate) {
   int sum = 0, count = 0;
@@ -212,7 +220,7 @@ cv::Mat MatchSemiGlobal(const Frame& frame) {
       const std::int16_t* const sum = sums.At(y, x);
       double disparity = frame.parameters.min_disparity_px + best;
       if (best > 0 && best + 1 < frame.parameters.disparities)
-        disparity += ParabolaOffset(sum[best - 1], sum[best], sum[best + 1]);
+        disparity += WedgeOffset(sum[best - 1], sum[best], sum[best + 1]);
       disparities.at<float>(y, x) = static_cast<float>(disparity);
     }
   }
