@@ -3,17 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "perception/joint_search.hpp"
 #include "perception/mouth_search.hpp"
 
 namespace kantaro::perception {
 namespace {
 
 constexpr std::size_t kPictures = 3;  ///< kept, of each camera
-constexpr double kStep = 0.003;       ///< of the distances tried, as a share
-
-/// How much each sign says [log odds]: logistic regression among all distances, on training views.
-constexpr double kJointWeight = 0.93;
-constexpr double kJointPixels = 0.5;  ///< deviation of a ring's radius
 constexpr double kWidening_m = 0.5;   ///< a shaft is wider than its pipe by so much (thesis 5.2)
 
 double CameraHeight(double pipe_diameter_m) {
@@ -78,56 +74,10 @@ double LandmarkTracker::Ahead(const Sight& sight, double distance_m) const {
          sight.right_m * motion_.pose.lean.x();
 }
 
-/// What all pictures together say of a ring at this distance from the last one.
-double LandmarkTracker::SumAt(double distance_m, PickScores pick) const {
-  double sum = 0.0;
-  int seen = 0;
-  for (const Sight& sight : sights_) {
-    const double score = sight.rings.At(pick(sight.rings), Ahead(sight, distance_m));
-    if (score < RingScan::kUnseen / 2.0) continue;
-    sum += score;
-    ++seen;
-  }
-  return seen == 0 ? RingScan::kUnseen : sum / std::sqrt(seen);
-}
-
-/// With what a ring's radius says that is off by so many pixels in the last picture.
-RangedLandmark LandmarkTracker::Doubted(const RangedLandmark& found, double pixels) const {
-  const double off_m = pixels * found.distance_m * found.distance_m /
-                       (camera_.focal_px * sizes_.pipe_diameter_m / 2.0);
-  return {found.distance_m, std::hypot(found.deviation_m, off_m)};
-}
-
 std::optional<RangedLandmark> LandmarkTracker::FindJoint() const {
-  constexpr PickScores kBright = [](const RingScan::Scanned& s) -> const auto& { return s.bright; };
-  constexpr PickScores kDark = [](const RingScan::Scanned& s) -> const auto& { return s.dark; };
-  std::vector<TriedDistance> tried;
-  for (double d = parameters_.near_m; d <= parameters_.far_m; d *= 1.0 + kStep)
-    tried.push_back({d, kJointWeight * std::max(SumAt(d, kBright), SumAt(d, kDark))});
-  RangedLandmark found = Likeliest(tried);
-  const bool bright = SumAt(found.distance_m, kBright) > SumAt(found.distance_m, kDark);
-  found.distance_m = RefineJoint(found.distance_m, bright ? kBright : kDark);
-  return Doubted(found, kJointPixels);
-}
-
-double LandmarkTracker::RefineJoint(double distance_m, PickScores pick) const {
-  double weights = 0.0, sum = 0.0;
-  for (const Sight& sight : sights_) {
-    const double ahead_m = Ahead(sight, distance_m) - distance_m;
-    const RingScan::Scores& scores = pick(sight.rings);
-    const auto middle = static_cast<int>(std::lround(sight.rings.ColumnOf(distance_m + ahead_m)));
-    if (middle < 2 || middle + 2 >= static_cast<int>(scores.significance.size())) continue;
-    const auto first = scores.significance.begin() + middle - 2;
-    const auto best =
-        static_cast<int>(std::max_element(first, first + 5) - scores.significance.begin());
-    if (scores.significance[best] < 1.0) continue;
-    const double there_m =
-        sight.rings.DistanceOf(RingScan::Refine(sight.rings, scores, best).column);
-    const double weight = std::min(scores.significance[best], 10.0) / std::pow(there_m, 4.0);
-    weights += weight;
-    sum += weight * (there_m - ahead_m);
-  }
-  return weights > 0.0 ? sum / weights : distance_m;
+  std::vector<JointSight> sights;
+  for (const Sight& sight : sights_) sights.push_back({sight.rings, Ahead(sight, 0.0)});
+  return perception::FindJoint(sights, parameters_.near_m, parameters_.far_m);
 }
 
 std::optional<RangedLandmark> LandmarkTracker::FindMouth() const {

@@ -46,10 +46,6 @@ class LandmarkTracker {
   [[nodiscard]] std::optional<RangedLandmark> FindJoint() const;
   [[nodiscard]] std::optional<RangedLandmark> FindMouth() const;
   [[nodiscard]] std::optional<RangedLandmark> FindInlet() const;
-  using PickScores = const RingScan::Scores& (*)(const RingScan::Scanned&);
-  [[nodiscard]] double SumAt(double distance_m, PickScores pick) const;
-  [[nodiscard]] double RefineJoint(double distance_m, PickScores pick) const;
-  [[nodiscard]] RangedLandmark Doubted(const RangedLandmark& found, double pixels) const;
 
   robot::Camera camera_;
   LandmarkParameters parameters_;

@@ -14,35 +14,6 @@ constexpr int kCenterSearch_px = 10;
 constexpr double kPoseError_m = 0.003,
                  kPoseError_px = 1.0;  ///< of the axis, where the pose puts it
 constexpr double kGroove_m = 0.012;
-constexpr double kEitherShare = 10.0, kLeastEither = -0.35;
-constexpr int kLineReach = 13;
-constexpr float kMostSay = 2.5F, kFewestSectors = 6.0F;
-
-/// As Measure's, for lines that a lens has blurred: averages as much as a line's width lets it.
-cv::Mat LineContrast(const Polar& polar, const Optics& optics) {
-  cv::Mat contrast = cv::Mat::zeros(polar.value.size(), CV_32F);
-  std::vector<float> sums(static_cast<std::size_t>(polar.columns()) + 1);
-  for (int t = 0; t < kDirections; ++t) {
-    const float* const value = polar.value.ptr<float>(t);
-    for (int k = 0; k < polar.columns(); ++k) sums[k + 1] = sums[k] + value[k];
-    const auto mean = [&](int from, int to) {
-      return (sums[to + 1] - sums[from]) / static_cast<float>(to - from + 1);
-    };
-    for (int k = kLineReach; k < polar.columns() - kLineReach; ++k) {
-      if (!polar.Visible(t, k - kLineReach) || !polar.Visible(t, k + kLineReach)) continue;
-      const int half = std::clamp(
-          static_cast<int>(std::lround(optics.LineWidth(polar.first_px + k) / 2.0 - 0.5)), 0, 8);
-      const float line = 0.25F * mean(k - 1 - half, k - 1 + half) +
-                         0.50F * mean(k - half, k + half) +
-                         0.25F * mean(k + 1 - half, k + 1 + half);
-      const int inner = half + 3, outer = half + 5;
-      contrast.at<float>(t, k) =
-          std::clamp(line - (mean(k - outer, k - inner) + mean(k + inner, k + outer)) / 2.0F,
-                     -kLargestVote, kLargestVote);
-    }
-  }
-  return contrast;
-}
 
 constexpr int kSectors = 24, kOfSector = kDirections / kSectors;
 constexpr int kMouthSectors = 5;  ///< to either side of the crown: 82.5°
@@ -145,77 +116,6 @@ void Offer(RingScan::Scores& scores, int k, double score, const Center& center) 
   scores.offset[k] = center.offset;
 }
 
-/// Joints, bright and dark: for each column the centre of most contrast, less what its distance
-/// from where it should be speaks against it. One sector has a limited say, for a joint goes all
-/// round; where it is a speckled line, each sector's contrast of either sign counts.
-std::pair<RingScan::Scores, RingScan::Scores> ScoreJoints(const cv::Mat& contrast,
-                                                          const Polar& polar, int pad,
-                                                          double radius_m) {
-  const cv::Mat standard = Standardised(contrast, polar);
-  const int columns = polar.columns(), end = columns - pad;
-  cv::Mat say(standard.size(), CV_32F), evidence(standard.size(), CV_32F);
-  std::vector<float> total(static_cast<std::size_t>(columns)), count(total.size()),
-      either(total.size());
-  for (int j = 0; j < kSectors; ++j) {
-    for (int k = 0; k < columns; ++k) {
-      const float z = standard.at<float>(j, k);
-      const bool seen = !std::isnan(z);
-      say.at<float>(j, k) = seen ? std::clamp(z, -kMostSay, kMostSay) : 0.0F;
-      evidence.at<float>(j, k) = seen ? Evidence(z) : 0.0F;
-      count[k] += seen ? 1.0F : 0.0F;
-    }
-  }
-  std::pair<RingScan::Scores, RingScan::Scores> scores{NoScores(columns), NoScores(columns)};
-  for (const Center& center : Centers()) {
-    std::fill(total.begin(), total.end(), 0.0F);
-    std::fill(either.begin(), either.end(), 0.0F);
-    for (int j = 0; j < kSectors; ++j) {
-      const float* const row = say.ptr<float>(j) + center.shifts[j];
-      const float* const other = evidence.ptr<float>(j) + center.shifts[j];
-      for (int k = pad; k < end; ++k) {
-        total[k] += row[k];
-        either[k] += other[k];
-      }
-    }
-    for (int k = pad; k < end; ++k) {
-      if (count[k] < kFewestSectors) continue;
-      const double mean = total[k] / std::sqrt(count[k]);
-      const double rest = kEitherShare * std::max<double>(kLeastEither, either[k] / count[k]) -
-                          Against(center, polar.first_px + k, radius_m);
-      Offer(scores.first, k, mean + rest, center);
-      Offer(scores.second, k, rest - mean, center);
-    }
-  }
-  return scores;
-}
-
-double Sample(const cv::Mat& picture, int t, double k) {
-  const int below = std::clamp(static_cast<int>(k), 0, picture.cols - 2);
-  const double share = k - below;
-  const float* row = picture.ptr<float>(t);
-  return row[below] * (1.0 - share) + row[below + 1] * share;
-}
-
-/// As RingVotes counts, at any place.
-double ContrastAt(const cv::Mat& contrast, const Polar& polar, const Groups& groups, double k,
-                  cv::Point2d offset) {
-  double sum = 0.0;
-  int all = 0;
-  for (const auto& group : groups) {
-    double group_sum = 0.0;
-    for (const int t : group) {
-      const double column = k + offset.dot(Directions()[t]);
-      if (column < 1.0 || column > polar.columns() - 2.0 ||
-          !polar.Visible(t, static_cast<int>(column)))
-        continue;
-      group_sum += Sample(contrast, t, column);
-      ++all;
-    }
-    sum += std::abs(group_sum);
-  }
-  return all == 0 ? 0.0 : sum / all;
-}
-
 /// Mouths: a step of any sign in each sector of the crown and shoulders; lower down the channel
 /// goes on like the pipe.
 RingScan::Scores ScoreMouths(const cv::Mat& contrast, const Polar& polar, int pad,
@@ -287,13 +187,10 @@ RingScan::Scanned RingScan::Scan(const cv::Mat& log_brightness, const WallPose& 
   scanned.ring_px_m = optics_.ring_px_m;
   scanned.polar = Unroll(log_brightness, pose);
   scanned.first_px = scanned.polar.first_px;
+  scanned.focal_px = camera_.focal_px;
   if (mouth) {
     scanned.mouth = ScoreMouths(Measure(scanned.polar, optics_, kLargestVote, kLargestVote).step,
                                 scanned.polar, pad_px_, pipe_radius_m_);
-  } else {
-    scanned.line = LineContrast(scanned.polar, optics_);
-    std::tie(scanned.bright, scanned.dark) =
-        ScoreJoints(scanned.line, scanned.polar, pad_px_, pipe_radius_m_);
   }
   return scanned;
 }
@@ -304,33 +201,6 @@ double RingScan::Scanned::At(const Scores& scores, double distance_m) const {
   if (k < 0 || k + 1 >= static_cast<int>(scores.significance.size())) return kUnseen;
   const double before = scores.significance[k], after = scores.significance[k + 1];
   return before + (column - k) * (after - before);
-}
-
-RingScan::Ring RingScan::Refine(const Scanned& scanned, const Scores& scores, int column) {
-  cv::Point2d offset = scores.offset[column];
-  const auto at = [&](double k, cv::Point2d about) {
-    return ContrastAt(scanned.line, scanned.polar, AllRound(), k, about);
-  };
-  double best = -1.0, best_k = column;
-  for (const double step : {1.0, 0.5}) {
-    const cv::Point2d about = offset;
-    const double k0 = best_k;
-    for (double dy = -2.0 * step; dy <= 2.0 * step; dy += step) {
-      for (double dx = -2.0 * step; dx <= 2.0 * step; dx += step) {
-        for (double dk = -2.0; dk <= 2.0; dk += 1.0) {
-          const double here = at(k0 + dk, about + cv::Point2d(dx, dy));
-          if (here <= best) continue;
-          best = here;
-          best_k = k0 + dk;
-          offset = about + cv::Point2d(dx, dy);
-        }
-      }
-    }
-  }
-  const double before = at(best_k - 1.0, offset), after = at(best_k + 1.0, offset);
-  const double bend = before - 2.0 * best + after;
-  return {best_k + (bend < 0.0 ? std::clamp((before - after) / (2.0 * bend), -0.5, 0.5) : 0.0),
-          offset};
 }
 
 }  // namespace kantaro::perception

@@ -27,10 +27,9 @@ class RingScan {
   struct Scanned {
     int first_px{};
     double ring_px_m{};  ///< focal length times the pipe's radius
+    double focal_px{};
     Polar polar;
-    cv::Mat line;         ///< contrast, for joints
-    Scores bright, dark;  ///< joints brighter, or darker, than the wall
-    Scores mouth;
+    Scores mouth;  ///< if mouths are looked for
 
     [[nodiscard]] double DistanceOf(double column) const { return ring_px_m / (first_px + column); }
     [[nodiscard]] double ColumnOf(double distance_m) const {
@@ -45,14 +44,6 @@ class RingScan {
 
   /// @param log_brightness  as LogBrightness makes it
   [[nodiscard]] Scanned Scan(const cv::Mat& log_brightness, const WallPose& pose, bool mouth) const;
-
-  /// A circle in a scanned picture.
-  struct Ring {
-    double column{};
-    cv::Point2d offset;
-  };
-  /// A joint near a column, to a fraction of a pixel: the circle of most contrast.
-  [[nodiscard]] static Ring Refine(const Scanned& scanned, const Scores& scores, int column);
 
  private:
   [[nodiscard]] Polar Unroll(const cv::Mat& log_brightness, const WallPose& pose) const;
