@@ -7,10 +7,13 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <stdexcept>
 
+#include "base/files.hpp"
 #include "base/random.hpp"
 #include "perception/parameters.hpp"
 #include "perception/stereo/linear_computation.hpp"
+#include "scenarios/experiments/bar_plot.hpp"
 #include "scenarios/experiments/stereo_methods.hpp"
 #include "scenarios/experiments/stereo_views.hpp"
 
@@ -30,6 +33,7 @@ constexpr int kMinDisparity = 16, kDisparities = 112;  ///< 0.26 to 2.1 m
 constexpr int kBorder = 11;                            ///< half of StereoBM's window, the largest
 constexpr int kSquares = 60, kSquare_px = 8;
 constexpr double kMostCubic_m = 0.02, kUpTo_m = 1.0;
+constexpr const char* kNear = "up to 1.0 m";
 constexpr const char* kBias = "leans by";
 constexpr const char* kRivalAnswers = "where stereobm answers";
 
@@ -71,12 +75,11 @@ std::vector<StereoMethod> Contestants(Parameters parameters, const std::vector<s
   parameters.min_disparity_px = kMinDisparity;
   parameters.disparities = kDisparities;
   std::vector<StereoMethod> methods = StereoMethods(parameters);
-  const auto add = [&](Method method, const char* variant, auto change) {
+  const auto add = [&](Method method, const std::string& variant, auto change) {
     Parameters changed = parameters;
     change(changed);
     methods.push_back(OneStereoMethod(changed, method, variant));
   };
-  const auto as_it_is = [](Parameters&) {};
   const auto unchecked = [](Parameters& p) { p.corner_support = 0; };
   add(Method::kCooperative, "constraint off",
       [](Parameters& p) { p.function_value_constraint = FunctionValueConstraint::kOff; });
@@ -87,16 +90,30 @@ std::vector<StereoMethod> Contestants(Parameters parameters, const std::vector<s
   add(Method::kFastCubic, "sub-pixel", [](Parameters& p) { p.subpixel = true; });
   add(Method::kFastCubic, "average",
       [](Parameters& p) { p.corner_disparity = CornerDisparity::kAverage; });
-  const auto with_falloff = [&](Method method, const char* variant, auto change) {
-    add(method, variant, change);
-    methods.back().falloff = true;
-  };
-  with_falloff(Method::kSsd, "falloff left in", as_it_is);
-  with_falloff(Method::kNcc, "falloff left in", as_it_is);
-  with_falloff(Method::kFastCubic, "falloff left in", as_it_is);
-  for (const Method method : {Method::kFastNearest, Method::kFastLinear, Method::kFastCubic})
-    with_falloff(method, "all corners, falloff left in", unchecked);
+  using Pictures = StereoMethod::Pictures;
+  for (const auto& [pictures, name] :
+       {std::pair<Pictures, std::string>(Pictures::kFalloff, "falloff left in"),
+        std::pair<Pictures, std::string>(Pictures::kIdeal, "ideal pictures")}) {
+    const std::size_t given = methods.size();
+    for (const Method method : {Method::kSsd, Method::kNcc, Method::kFastCubic, Method::kOurs})
+      add(method, name, [](Parameters&) {});
+    for (const Method method : {Method::kFastNearest, Method::kFastLinear, Method::kFastCubic})
+      add(method, "all corners, " + name, unchecked);
+    for (std::size_t m = given; m < methods.size(); ++m) methods[m].pictures = pictures;
+  }
   return ChosenMethods(methods, only);
+}
+
+const robot::StereoPair& PicturesFor(const StereoMethod& method, const StereoView& view) {
+  switch (method.pictures) {
+    case StereoMethod::Pictures::kFlat:
+      return view.flat;
+    case StereoMethod::Pictures::kFalloff:
+      return view.rectified;
+    case StereoMethod::Pictures::kIdeal:
+      return view.ideal;
+  }
+  throw std::invalid_argument("no such pictures");
 }
 
 /// Squares drawn by chance on the wall at the mouth, where every method could answer.
@@ -143,7 +160,7 @@ void Measure(const StereoView& view, const std::vector<Sample>& samples, const c
     add("all", "all");
     add("manhole", light + (sample.feature ? ", feature" : ", non-feature"));
     if (view.mouth_m <= kUpTo_m) {
-      add("manhole", "up to 1.0 m");
+      add("manhole", kNear);
       if (sample.feature) add("manhole", "up to 1.0 m, feature");
     }
     if (!rival.empty() && !std::isnan(rival.at<float>(sample.y, sample.x)))
@@ -179,7 +196,7 @@ Json ToJson(const StereoMethod& method, const std::pair<std::string, std::string
 /// where that answers.
 std::optional<double> Limit_m(const Json& row, const Json& rows) {
   if (row.at("method") != "fast-cubic" || row.at("variant") != "") return {};
-  if (row.at("condition") == "up to 1.0 m") return kMostCubic_m;
+  if (row.at("condition") == kNear) return kMostCubic_m;
   if (row.at("condition") != kRivalAnswers) return {};
   const auto rival = std::find_if(rows.begin(), rows.end(), [](const Json& other) {
     return other.at("method") == "stereobm" && other.at("condition") == kRivalAnswers;
@@ -214,6 +231,28 @@ cv::Mat OfStereoBm(const std::vector<StereoMethod>& methods,
   return {};
 }
 
+std::string NameOf(const Json& row) {
+  const auto variant = row.at("variant").get<std::string>();
+  return row.at("method").get<std::string>() + (variant.empty() ? "" : ", " + variant);
+}
+
+/// Fig 5.20 and 5.21: mean errors up to 1.0 m.
+std::string Plot(const Json& rows) {
+  constexpr double kLongest_m = 0.12;
+  std::vector<Bar> bars;
+  for (const Json& row : rows) {
+    if (row.at("condition") != kNear || row.at("mean_error_m").is_null()) continue;
+    const double error_m = row.at("mean_error_m");
+    bars.push_back({NameOf(row),
+                    fmt::format("{:.1f} cm on {:.0f} % of the pixels", 100.0 * error_m,
+                                100.0 * row.at("answered").get<double>()),
+                    error_m / kLongest_m,
+                    row.at("method") == "fast-cubic" && row.at("variant") == ""});
+  }
+  return PlotBars("Mean error of stereo distances up to 1.0 m", bars, kMostCubic_m / kLongest_m,
+                  "2 cm");
+}
+
 Json Run(const ExperimentOptions& options) {
   const robot::Description description = robot::ReadDescription(options.robot_folder);
   const Parameters parameters =
@@ -235,7 +274,7 @@ Json Run(const ExperimentOptions& options) {
         const std::vector<Sample> samples = Samples(view, parameters, random);
         std::vector<cv::Mat> disparities(methods.size());
         ForEachInParallel(methods.size(), options.jobs, [&](std::size_t m) {
-          const robot::StereoPair& pair = methods[m].falloff ? view.rectified : view.flat;
+          const robot::StereoPair& pair = PicturesFor(methods[m], view);
           disparities[m] = methods[m].match(pair.left, pair.right);
         });
         const cv::Mat rival = OfStereoBm(methods, disparities);
@@ -252,16 +291,12 @@ Json Run(const ExperimentOptions& options) {
   }
   const bool passed =
       std::none_of(rows.begin(), rows.end(), [&](const Json& row) { return Fails(row, rows); });
+  if (!options.out.empty()) WriteFileAtomically(options.out / "stereo-accuracy.svg", Plot(rows));
   return {{"experiment", "stereo-accuracy"},
           {"seed", options.seed},
           {"passed", passed},
           {"rows", rows},
           {"thesis", Thesis()}};
-}
-
-std::string NameOf(const Json& row) {
-  const auto variant = row.at("variant").get<std::string>();
-  return row.at("method").get<std::string>() + (variant.empty() ? "" : ", " + variant);
 }
 
 std::string Centimetres(const Json& row) {
@@ -306,7 +341,7 @@ std::string Matrix(const Json& result) {
     note(methods, NameOf(row));
     cells[{NameOf(row), condition}] =
         fmt::format("{}, {:.0f} %", Centimetres(row), 100.0 * row.at("answered").get<double>());
-    if (condition == "up to 1.0 m") cells[{NameOf(row), kBias}] = Pixels(row);
+    if (condition == kNear) cells[{NameOf(row), kBias}] = Pixels(row);
   }
   conditions.push_back(kBias);
   std::string text = "| method |", rule = "|---|";

@@ -18,7 +18,7 @@ using perception::stereo::Method;
 using perception::stereo::Parameters;
 
 StereoMethod OpenCvMethod(const std::string& name, const cv::Ptr<cv::StereoMatcher>& matcher) {
-  return {name, "", false, [matcher](const cv::Mat& left, const cv::Mat& right) {
+  return {name, "", {}, [matcher](const cv::Mat& left, const cv::Mat& right) {
             cv::Mat sixteenths, disparity;
             matcher->compute(left, right, sixteenths);
             sixteenths.convertTo(disparity, CV_32F, 1.0 / int{cv::StereoMatcher::DISP_SCALE});
@@ -33,8 +33,7 @@ StereoMethod OpenCvMethod(const std::string& name, const cv::Ptr<cv::StereoMatch
 
 StereoMethod OneStereoMethod(Parameters parameters, Method method, const std::string& variant) {
   parameters.method = method;
-  return {ToString(method), variant, false,
-          [parameters](const cv::Mat& left, const cv::Mat& right) {
+  return {ToString(method), variant, {}, [parameters](const cv::Mat& left, const cv::Mat& right) {
             return Match(left, right, parameters).disparity_px;
           }};
 }

@@ -14,7 +14,11 @@ namespace kantaro::scenarios {
 struct StereoMethod {
   std::string name;     ///< as perception.yaml names it, or stereobm, stereosgbm
   std::string variant;  ///< what departs from the parameters, "" for nothing
-  bool falloff{};       ///< sees pictures as the lens gives them, darker off its axis
+  enum class Pictures {
+    kFlat,     ///< as the robot's code has them
+    kFalloff,  ///< as the lens gives them, darker off its axis
+    kIdeal,    ///< without lens and sensor
+  } pictures{Pictures::kFlat};
   /// 8-bit images to disparities [px], CV_32F, NaN where there is none.
   std::function<cv::Mat(const cv::Mat& left, const cv::Mat& right)> match;
 };

@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <ctime>
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "base/files.hpp"
 #include "base/random.hpp"
 #include "perception/parameters.hpp"
+#include "scenarios/experiments/bar_plot.hpp"
 #include "scenarios/experiments/stereo_methods.hpp"
 #include "scenarios/experiments/stereo_views.hpp"
 
@@ -89,6 +92,21 @@ bool Keeps(const Json& row) {
   });
 }
 
+/// Fig 5.22. Each doubling of the time is a bar longer by the same.
+std::string Plot(const Json& rows) {
+  constexpr double kShortest_ms = 0.5, kLongest_ms = 1000.0;
+  std::vector<Bar> bars;
+  for (const Json& row : rows) {
+    const double time_ms = row.at("time_ms");
+    bars.push_back({row.at("method"),
+                    fmt::format("{:.1f} ms, 1/{:.0f} of ssd-plain", time_ms,
+                                1.0 / row.at("of_ssd-plain").get<double>()),
+                    std::log(time_ms / kShortest_ms) / std::log(kLongest_ms / kShortest_ms),
+                    row.at("method") == "fast-cubic"});
+  }
+  return PlotBars("Time of stereo matching, 640 x 480, 64 disparities (logarithmic)", bars, {}, "");
+}
+
 Json Run(const ExperimentOptions& options) {
   const std::size_t trials = options.count == 0 ? kTrials : options.count;
   perception::stereo::Parameters parameters =
@@ -121,6 +139,7 @@ Json Run(const ExperimentOptions& options) {
                           static_cast<double>(views.front().flat.left.total())));
     passed = passed && Keeps(rows.back());
   }
+  if (!options.out.empty()) WriteFileAtomically(options.out / "stereo-speed.svg", Plot(rows));
   return {{"experiment", "stereo-speed"},
           {"seed", options.seed},
           {"passed", passed},

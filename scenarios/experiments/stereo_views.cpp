@@ -56,12 +56,20 @@ class StereoStage::Impl {
     const Isometry3d X_BL = Mount(description_.stereo_left.link);
     const double length_m = world_.sewer->axes[0].length_m();
     const Isometry3d X_WB = Stand(length_m - distance_m - X_BL.translation().x());
-    const robot::StereoPair pair = rectifier_.Rectify(
+    const sim::CameraView left = Rectified(X_WB, description_.stereo_left);
+    const sim::CameraView right = Rectified(X_WB, description_.stereo_right);
+    StereoView view;
+    view.rectified = rectifier_.Rectify(
         {perception::Brightness(Photograph(X_WB, description_.stereo_left, light, seed, stream)),
          perception::Brightness(Photograph(X_WB, description_.stereo_right, light, seed, stream))});
-    return {
-        pair,       flat_field_.Flatten(pair),         renderer_.RenderDepth(RectifiedLeft(X_WB)),
-        distance_m, description_.stereo_left.focal_px, robot::StereoBaseline_m(description_)};
+    view.flat = flat_field_.Flatten(view.rectified);
+    view.ideal = {perception::Brightness(FineDrawing(renderer_, left, LampsAt(X_WB))),
+                  perception::Brightness(FineDrawing(renderer_, right, LampsAt(X_WB)))};
+    view.depth_m = renderer_.RenderDepth(left);
+    view.mouth_m = distance_m;
+    view.focal_px = left.focal_px;
+    view.baseline_m = robot::StereoBaseline_m(description_);
+    return view;
   }
 
  private:
@@ -91,9 +99,9 @@ class StereoStage::Impl {
     return {std::max(left.width_px, right.width_px), std::max(left.height_px, right.height_px)};
   }
 
-  /// The ideal pinhole that the left picture is rectified to.
-  [[nodiscard]] sim::CameraView RectifiedLeft(const Isometry3d& X_WB) const {
-    const robot::Camera& camera = description_.stereo_left;
+  /// The ideal pinhole that a picture is rectified to.
+  [[nodiscard]] sim::CameraView Rectified(const Isometry3d& X_WB,
+                                          const robot::Camera& camera) const {
     Isometry3d X_WR = X_WB * PoseOf(camera);
     X_WR.rotate(robot::StereoRectification(description_, camera).transpose());
     return {X_WR,
@@ -104,6 +112,14 @@ class StereoStage::Impl {
             camera.center_y_px};
   }
 
+  [[nodiscard]] sim::Lamps LampsAt(const Isometry3d& X_WB) const {
+    sim::Lamps lamps;
+    for (const std::string& link : description_.lights)
+      lamps.p_WLamp.push_back((X_WB * Mount(link)).translation());
+    lamps.direction_W = (X_WB * Mount(description_.lights.at(0))).linear().col(0);
+    return lamps;
+  }
+
   /// The robot stands: nothing blurs.
   cv::Mat Photograph(const Isometry3d& X_WB, robot::Camera camera, double light, std::uint64_t seed,
                      const std::string& stream) {
@@ -112,12 +128,8 @@ class StereoStage::Impl {
     const sim::Imager imager(camera);
     sim::CameraView view = imager.lens().ideal();
     view.X_WC = X_WB * PoseOf(camera);
-    sim::Lamps lamps;
-    for (const std::string& link : description_.lights)
-      lamps.p_WLamp.push_back((X_WB * Mount(link)).translation());
-    lamps.direction_W = (X_WB * Mount(description_.lights.at(0))).linear().col(0);
     RandomStream noise(seed, stream + "." + camera.link);
-    return imager.Expose(FineDrawing(renderer_, view, lamps), {}, noise, scratch_);
+    return imager.Expose(FineDrawing(renderer_, view, LampsAt(X_WB)), {}, noise, scratch_);
   }
 
   const robot::Description description_;

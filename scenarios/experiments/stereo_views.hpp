@@ -16,6 +16,8 @@ struct StereoView {
   /// 8-bit brightness as the robot's code gets it: through lens and sensor, then rectified, and
   /// what it makes of that: as bright as on the lenses' axes.
   robot::StereoPair rectified, flat;
+  /// What neither lens nor sensor has touched, at full light, drawn as if rectified.
+  robot::StereoPair ideal;
   /// CV_32F, of the rectified left image along its optical axis; 0: nothing in reach
   cv::Mat depth_m;
   double mouth_m{};  ///< from the left camera to where the pipe ends, along the pipe
