@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <opencv2/core.hpp>
 #include <opencv2/core/hal/intrin.hpp>
 #include <vector>
@@ -208,6 +209,31 @@ class CornerMatcher {
   float ssd_share_{};
 };
 
+/// One of each two opposite neighbours; distance in blocks.
+struct Neighbour {
+  int right, down;
+  float distance;
+};
+constexpr float kDiagonal = std::numbers::sqrt2_v<float>;
+constexpr std::array<Neighbour, 4> kNeighbours{
+    {{1, 0, 1.0F}, {0, 1, 1.0F}, {1, 1, kDiagonal}, {1, -1, kDiagonal}}};
+
+float SteepestPerBlock(const Parameters& parameters) {
+  return static_cast<float>(kBlock_px * parameters.steepest_wall);
+}
+
+/// With one more corner on each side, so that all have eight neighbours.
+cv::Mat Framed(const cv::Mat& corners, int border) {
+  cv::Mat framed;
+  cv::copyMakeBorder(corners, framed, 1, 1, 1, 1, border | cv::BORDER_ISOLATED, cv::Scalar(kNone));
+  return framed;
+}
+
+std::array<float, 2> Opposite(const cv::Mat& framed, int x, int y, const Neighbour& to) {
+  return {framed.at<float>(y + 1 + to.down, x + 1 + to.right),
+          framed.at<float>(y + 1 - to.down, x + 1 - to.right)};
+}
+
 }  // namespace
 
 cv::Mat MatchCorners(const Frame& frame) {
@@ -225,30 +251,51 @@ cv::Mat MatchCorners(const Frame& frame) {
 }
 
 cv::Mat KeepSupported(const cv::Mat& corners, const Parameters& parameters) {
-  if (parameters.corner_support == 0) return corners;
-  cv::Mat framed, kept = corners.clone();
-  cv::copyMakeBorder(corners, framed, 1, 1, 1, 1, cv::BORDER_REFLECT_101 | cv::BORDER_ISOLATED);
-  const double beside = parameters.steepest_wall * kBlock_px, across = std::sqrt(2.0) * beside;
+  const cv::Mat framed = Framed(corners, cv::BORDER_REFLECT_101);
+  const float steepest = SteepestPerBlock(parameters);
+  cv::Mat kept = corners.clone();
   for (int y = 0; y < kept.rows; ++y) {
     for (int x = 0; x < kept.cols; ++x) {
       float& corner = kept.at<float>(y, x);
       int support = 0;
-      for (int j = -1; j <= 1; ++j) {
-        const float* const neighbours = framed.ptr<float>(y + j + 1) + x;
-        for (int i = 0; i <= 2; ++i) {  // counts the corner itself, too
-          const double most = j == 0 || i == 1 ? beside : across;
-          support += std::abs(neighbours[i] - corner) <= most ? 1 : 0;
-        }
+      for (const Neighbour& to : kNeighbours) {
+        const float most = to.distance * steepest;
+        for (const float neighbour : Opposite(framed, x, y, to))
+          support += std::abs(neighbour - corner) <= most ? 1 : 0;
       }
-      if (support <= parameters.corner_support) corner = kNone;
+      if (support < parameters.corner_support) corner = kNone;
     }
   }
   return kept;
 }
 
+cv::Mat Bridge(const cv::Mat& corners, const Parameters& parameters) {
+  const cv::Mat framed = Framed(corners, cv::BORDER_CONSTANT);
+  const float steepest = SteepestPerBlock(parameters);
+  cv::Mat bridged = corners.clone();
+  for (int y = 0; y < bridged.rows; ++y) {
+    for (int x = 0; x < bridged.cols; ++x) {
+      if (!std::isnan(corners.at<float>(y, x))) continue;
+      float sum = 0;
+      int count = 0;
+      for (const Neighbour& to : kNeighbours) {
+        const auto [one, other] = Opposite(framed, x, y, to);
+        const float most = 2.0F * to.distance * steepest;
+        if (!(std::abs(one - other) <= most)) continue;
+        sum += 0.5F * (one + other);
+        ++count;
+      }
+      if (count > 0) bridged.at<float>(y, x) = sum / static_cast<float>(count);
+    }
+  }
+  return bridged;
+}
+
 cv::Mat MatchFast(const Frame& frame, Interpolation interpolation) {
-  return Interpolate(KeepSupported(MatchCorners(frame), frame.parameters), frame.left.size(),
-                     interpolation);
+  cv::Mat corners = MatchCorners(frame);
+  if (frame.parameters.corner_support > 0)
+    corners = Bridge(KeepSupported(corners, frame.parameters), frame.parameters);
+  return Interpolate(corners, frame.left.size(), interpolation);
 }
 
 }  // namespace kantaro::perception::stereo

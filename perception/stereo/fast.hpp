@@ -8,7 +8,7 @@
 namespace kantaro::perception::stereo {
 
 /// Fast stereo matching by interpolation (thesis section 5.4): MatchCorners, KeepSupported,
-/// Interpolate.
+/// Bridge, Interpolate.
 /// @returns CV_32F, NaN where there is none.
 [[nodiscard]] cv::Mat MatchFast(const Frame& frame, Interpolation interpolation);
 
@@ -24,5 +24,9 @@ namespace kantaro::perception::stereo {
 /// The corners whose disparity has Parameters::corner_support, the others with none. A corner
 /// without disparity supports no neighbour; at the border the neighbours there are count twice.
 [[nodiscard]] cv::Mat KeepSupported(const cv::Mat& corners, const Parameters& parameters);
+
+/// The corners, those without disparity between two opposite neighbours of one wall (that differ by
+/// no more than Parameters::steepest_wall) with the mean of all such.
+[[nodiscard]] cv::Mat Bridge(const cv::Mat& corners, const Parameters& parameters);
 
 }  // namespace kantaro::perception::stereo

@@ -68,8 +68,8 @@ struct Parameters {
   CornerDisparity corner_disparity{CornerDisparity::kCombined};
   /// A corner's disparity stands if those of so many of its eight neighbours differ from it by no
   /// more than steepest_wall times their distance [px/px]. Ours, by what the thesis builds on, that
-  /// disparities change continuously (section 5.4); 0 lets all stand, as the thesis does. A pipe's
-  /// wall changes by baseline / radius.
+  /// disparities change continuously (section 5.4); one between two that stand takes their mean. 0
+  /// lets all stand, as the thesis does. A pipe's wall changes by baseline / radius.
   int corner_support{4};
   double steepest_wall{0.6};
 };

@@ -9,11 +9,12 @@
 namespace kantaro::scenarios {
 namespace {
 
-constexpr double kWidth = 440.0, kMargin = 12.0, kTop = 48.0, kRow = 34.0, kBar = 8.0;
+constexpr double kWidth = 440.0, kMargin = 12.0, kTop = 48.0, kRow = 34.0;
+constexpr double kBarTop = 19.0, kBar = 8.0;  ///< in its row
 constexpr const char* kStyle =
     "<style>text{font:12px sans-serif;fill:#222}.title{font-weight:bold;font-size:14px}"
-    ".bar{fill:#9db4c8}.ours{fill:#c0392b}.limit{stroke:#444;stroke-dasharray:4 3}"
-    "svg{max-width:44em;background:white}</style>\n";
+    ".bar{fill:#9db4c8}.ours{fill:#c0392b}.limit{stroke:#222}"
+    "svg{width:100%;max-width:44em;height:auto;background:white}</style>\n";
 
 double X(double share) { return kMargin + (kWidth - 2.0 * kMargin) * std::clamp(share, 0.0, 1.0); }
 
@@ -21,7 +22,7 @@ std::string Draw(const Bar& bar, double y) {
   return Label("name", kMargin, y + 14.0, "start", bar.name) +
          Label("value", kWidth - kMargin, y + 14.0, "end", bar.label) +
          fmt::format(R"(<rect class="{}" x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}"/>)",
-                     bar.highlighted ? "ours" : "bar", kMargin, y + 19.0, X(bar.share) - kMargin,
+                     bar.highlighted ? "ours" : "bar", kMargin, y + kBarTop, X(bar.share) - kMargin,
                      kBar) +
          "\n";
 }
@@ -39,8 +40,11 @@ std::string PlotBars(const std::string& title, std::span<const Bar> bars,
     y += kRow;
   }
   if (limit) {
-    text += Line("limit", X(*limit), kTop - 4.0, X(*limit), height - kMargin) +
-            Label("limit-name", X(*limit), kTop - 8.0, *limit < 0.5 ? "start" : "end", limit_name) +
+    for (std::size_t i = 0; i < bars.size(); ++i) {  // not across the words
+      const double top = kTop + kRow * static_cast<double>(i) + kBarTop;
+      text += Line("limit", X(*limit), top - 2.0, X(*limit), top + kBar + 2.0);
+    }
+    text += Label("limit-name", X(*limit), kTop - 8.0, *limit < 0.5 ? "start" : "end", limit_name) +
             "\n";
   }
   return text + "</svg>\n";

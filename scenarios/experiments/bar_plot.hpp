@@ -14,7 +14,7 @@ struct Bar {
 };
 
 /// Horizontal bars, one below the other, as an SVG picture that fits any width of page.
-/// @param limit  a share that is marked with a dashed line and named, if there is one.
+/// @param limit  a share that is marked at each bar and named, if there is one.
 [[nodiscard]] std::string PlotBars(const std::string& title, std::span<const Bar> bars,
                                    std::optional<double> limit, const std::string& limit_name);
 

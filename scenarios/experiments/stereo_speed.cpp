@@ -104,7 +104,7 @@ std::string Plot(const Json& rows) {
                     std::log(time_ms / kShortest_ms) / std::log(kLongest_ms / kShortest_ms),
                     row.at("method") == "fast-cubic"});
   }
-  return PlotBars("Time of stereo matching, 640 x 480, 64 disparities (logarithmic)", bars, {}, "");
+  return PlotBars("Time of stereo matching, logarithmic", bars, {}, "");
 }
 
 Json Run(const ExperimentOptions& options) {

@@ -198,9 +198,26 @@ TEST(SupportOfCorners, DoesNotComeFromCornersWithoutDisparity) {
   EXPECT_EQ(CountDisparities({KeepSupported(corners, Parameters{})}), 0);
 }
 
+// On a plane each pair of opposite neighbours has the corner's own disparity for its mean.
+TEST(BridgedCorners, ContinueTheWall) {
+  const cv::Mat plane = Plane(0.4);
+  cv::Mat holed = plane.clone();
+  for (const cv::Point hole : {cv::Point(4, 3), {1, 5}, {7, 1}}) holed.at<float>(hole) = kNone;
+  EXPECT_LT(cv::norm(Bridge(holed, Parameters{}), plane, cv::NORM_INF), 1e-4);
+}
+
+// 20 px on the left, 60 on the right, and an unknown column between: only above and below it are
+// corners of one wall, unknown ones.
+TEST(BridgedCorners, DoNotSpanFromOneWallToAnother) {
+  cv::Mat corners(7, 9, CV_32F, cv::Scalar(20));
+  corners.colRange(5, 9).setTo(60);
+  corners.col(4).setTo(kNone);
+  EXPECT_EQ(CountDisparities({Bridge(corners, Parameters{})}), 56);
+}
+
 // A spot that only the left camera sees, about one corner of a wall at 12 px: what its window
-// matches by chance reaches 16 px far, or is left out.
-TEST(FastStereo, LeavesOutACornerThatItsNeighboursContradict) {
+// matches by chance reaches 16 px far, or its neighbours stand for it.
+TEST(FastStereo, BridgesACornerThatItsNeighboursContradict) {
   const auto twelve = [](int, int) { return 12.0; };
   Pair pair = Surface({160, 96}, twelve, 6);
   const Pair other = Surface(
@@ -218,7 +235,7 @@ TEST(FastStereo, LeavesOutACornerThatItsNeighboursContradict) {
     for (int y = around.y; y < around.y + around.height; ++y) {
       for (int x = around.x; x < around.x + around.width; ++x) {
         const float found = map.disparity_px.at<float>(y, x);
-        if (!std::isnan(found)) worst = std::max(worst, std::abs(found - 12.0));
+        worst = std::max(worst, std::isnan(found) ? 100.0 : std::abs(found - 12.0));
       }
     }
     return worst;
