@@ -54,6 +54,36 @@ TEST(LaserPassage, TakesNoSwayForABranch) {
             LaserStatus::kManhole);
 }
 
+LaserObservation Blind(LaserObservation observation) {
+  observation.left_known = false;
+  return observation;
+}
+
+// Leaning to the right into a branch the robot loses the left wall: its window opens, and stays so
+// while it cannot tell. Seen are 75 mm open of 75 + 375 mm, in a shaft of 750 mm: a sixth.
+TEST(LaserPassage, TakesNoWallOutOfReachForABranch) {
+  LaserPassage passage;
+  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kTop, 0)}), At(0)));
+  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kLeft, 1000)}), At(1000)));
+  EXPECT_FALSE(passage.Update(Edges({}), At(1500)));
+  EXPECT_FALSE(passage.Update(Blind(Edges({})), At(3500)));
+  EXPECT_FALSE(passage.Update(Edges({Closes(LaserWindow::kLeft, 3500)}), At(3500)));
+  EXPECT_EQ(passage.Update(Edges({Closes(LaserWindow::kTop, 5000)}), At(5000))->kind,
+            LaserStatus::kManhole);
+}
+
+// 105 mm of a shaft of 750 mm, but 0.28 of the 375 mm on which the side could be told.
+TEST(LaserPassage, FindsABranchOfWhichHalfIsOutOfReach) {
+  LaserPassage passage;
+  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kTop, 0)}), At(0)));
+  EXPECT_FALSE(passage.Update(Blind(Edges({})), At(1500)));
+  EXPECT_FALSE(passage.Update(Edges({Opens(LaserWindow::kLeft, 2000)}), At(2000)));
+  EXPECT_FALSE(passage.Update(Edges({Closes(LaserWindow::kLeft, 2700)}), At(2700)));
+  EXPECT_FALSE(passage.Update(Blind(Edges({})), At(3700)));
+  EXPECT_EQ(passage.Update(Edges({Closes(LaserWindow::kTop, 5000)}), At(5000))->kind,
+            LaserStatus::kManholeWithJunction);
+}
+
 TEST(LaserPassage, ForgetsTheLastLandmark) {
   LaserPassage passage;
   EXPECT_FALSE(
