@@ -1,8 +1,12 @@
 #include "base/files.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <fstream>
 #include <system_error>
 
@@ -18,6 +22,14 @@ std::string Sentence(const std::filesystem::path& file, std::optional<int> line,
   if (!text.empty()) text += ": ";
   if (!field.empty()) text += field + ": ";
   return text + problem;
+}
+
+/// Whether the name still means the file that was opened: who held the lock may have removed it.
+bool Names(const std::filesystem::path& file, int descriptor) {
+  struct stat opened {
+  }, named{};
+  return fstat(descriptor, &opened) == 0 && stat(file.c_str(), &named) == 0 &&
+         opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
 }
 
 }  // namespace
@@ -69,6 +81,29 @@ void WriteFileAtomically(const std::filesystem::path& file, std::string_view con
     std::filesystem::remove(beside, error);
     throw InputError(file, {}, "", "cannot be written: " + reason);
   }
+}
+
+FileLock::FileLock(std::filesystem::path file, const std::filesystem::path& wanted)
+    : file_(std::move(file)) {
+  std::error_code error;
+  if (file_.has_parent_path()) std::filesystem::create_directories(file_.parent_path(), error);
+  while (true) {
+    descriptor_ = open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (descriptor_ < 0)
+      throw InputError(wanted, {}, "",
+                       "cannot be written: " + std::generic_category().message(errno));
+    const bool locked = flock(descriptor_, LOCK_EX | LOCK_NB) == 0;
+    if (locked && Names(file_, descriptor_)) return;
+    close(descriptor_);
+    if (!locked)
+      throw InputError(wanted, {}, "",
+                       "another process is writing there: wait for its end, or name another place");
+  }
+}
+
+FileLock::~FileLock() {
+  unlink(file_.c_str());
+  close(descriptor_);
 }
 
 }  // namespace kantaro

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "base/files.hpp"
 #include "base/input_error.hpp"
@@ -76,9 +77,7 @@ std::vector<Scenario> ReadAll(const RunRequest& request) {
 
 /// Beside the run folder until the run is over, where it is found if the run breaks off.
 std::filesystem::path RecordingOf(const std::filesystem::path& folder) {
-  const std::filesystem::path file = folder.string() + ".recording.bag";
-  if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path());
-  return file;
+  return folder.string() + ".recording.bag";
 }
 
 Result RunOne(const Scenario& scenario, const RunRequest& request,
@@ -92,7 +91,11 @@ Result RunOne(const Scenario& scenario, const RunRequest& request,
     line.Show(fmt::format("{} seed {}: {:.0f} s of at most {:.0f} s", scenario.name, seed, sim_s,
                           limit_s));
   };
-  if (request.record) options.recording = RecordingOf(folder);
+  std::optional<FileLock> lock;  // two recordings in one file would spoil each other
+  if (request.record) {
+    options.recording = RecordingOf(folder);
+    lock.emplace(folder.string() + ".recording.lock", folder);
+  }
   const MissionRun run = RunMission(scenario, seed, options);
   WriteFolder(folder, FilesOf(run),
               options.recording ? MovedFiles{{"recording.bag", *options.recording}} : MovedFiles{});

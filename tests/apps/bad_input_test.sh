@@ -153,6 +153,9 @@ with rosbag.Bag("foreign.bag", "w") as bag: bag.write("/chatter", std_msgs.msg.S
 with rosbag.Bag("packed.bag", "w", compression="bz2") as bag: bag.write("/chatter", std_msgs.msg.String("hi"))'
 refused "another robot's bag" "foreign.bag: not a recording of KANTARO: .*" replay foreign.bag
 refused "compressed bag" "packed.bag: is compressed: .rosbag decompress. makes it readable" replay packed.bag
+exec 9>held.recording.lock && flock 9
+refused "a folder that another run records into" "held: another process is writing there: .*" run good.yaml --record --out held
+exec 9>&-
 
 # A folder that is not ours stays as it is.
 mkdir precious && echo thesis >precious/chapter1.txt

@@ -2,8 +2,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
+#include <csignal>
 #include <filesystem>
 #include <string>
 
@@ -93,6 +96,36 @@ TEST_F(Files, AFileAboveTheLimitIsRefusedAndOneAtTheLimitIsRead) {
 TEST_F(Files, AnEndlessDeviceIsRefusedAtTheLimit) {
   EXPECT_THAT(ProblemOf([] { (void)ReadInputFile("/dev/zero", 1u << 20); }),
               HasSubstr("larger than the 1 MiB"));
+}
+
+TEST_F(Files, ALockIsHeldOnceAndLeavesNothingBehind) {
+  const auto lock = [&] { FileLock(folder_ / "run.lock", "run"); };
+  {
+    const FileLock first(folder_ / "run.lock", "run");
+    EXPECT_EQ(ProblemOf(lock),
+              "run: another process is writing there: wait for its end, or name another place");
+    EXPECT_EQ(EntriesOf(folder_), 1u);
+  }
+  EXPECT_EQ(EntriesOf(folder_), 0u);
+  EXPECT_NO_THROW(lock());
+}
+
+TEST_F(Files, ALockEndsWithTheProcessThatHeldIt) {
+  std::array<int, 2> locked{};
+  ASSERT_EQ(pipe(locked.data()), 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    const FileLock lock(folder_ / "run.lock", "run");
+    _exit(write(locked[1], "x", 1) == 1 ? pause() : 1);
+  }
+  char told{};
+  ASSERT_EQ(read(locked[0], &told, 1), 1);
+  const auto lock = [&] { FileLock(folder_ / "run.lock", "run"); };
+  EXPECT_THAT(ProblemOf(lock), HasSubstr("another process"));
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  EXPECT_NO_THROW(lock());
+  for (const int end : locked) close(end);
 }
 
 }  // namespace
