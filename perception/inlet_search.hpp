@@ -1,11 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "perception/branch_mouth.hpp"
 #include "perception/landmark_distance.hpp"
-#include "perception/shaft_view.hpp"
 #include "perception/tried_distance.hpp"
 #include "perception/wall_pose.hpp"
 #include "robot/description.hpp"
@@ -17,10 +18,11 @@ struct InletSight {
   cv::Mat log_brightness;  ///< as LogBrightness makes it
   WallPose pose;           ///< before this camera
   double ahead_m{};        ///< of where distances count from, along the axis
+  double right_m{};        ///< of the camera, from the one whose lamps are known
 };
 
-/// Finds a side inlet's mouth, the curve where the pipe's wall and a branch of known diameter meet
-/// (docs/localisation.md).
+/// Finds a side inlet's mouth, of known diameter (docs/localisation.md): what each place would look
+/// like is worked out from the lamps' places, and compared with a whole wall there.
 class InletSearch {
  public:
   /// @param p_CLamp  lamps in the camera's frame (LampsBefore)
@@ -29,29 +31,30 @@ class InletSearch {
               const KnownSizes& sizes, bool left, double nearest_m);
 
   /// What speaks for each place is added up over all pictures.
+  /// @pre at least one
   [[nodiscard]] RangedLandmark Find(const std::vector<InletSight>& sights) const;
 
  private:
-  /// A mouth and how the pipe lies about it.
-  struct Fit {
-    double distance_m{}, angle_rad{};  ///< about the axis: 0 to the right, a quarter turn downwards
+  struct Place {
+    double distance_m{}, angle_rad{};                ///< as BranchMouth has them
     Eigen::Vector2d off_m{Eigen::Vector2d::Zero()};  ///< of the axis from where the pose puts it
-    double score{};
+    double log_odds{};
+    double paint{};  ///< of the branch against the wall's [log]
   };
-  struct Sight {
-    const InletSight& picture;
-    ShaftView::Sight light;
-  };
+  struct Samples;
 
-  [[nodiscard]] double Darkness(const std::vector<Sight>& sights, const Fit& fit) const;
-  [[nodiscard]] double ScoreOf(const std::vector<Sight>& sights, const Fit& fit) const;
-  [[nodiscard]] Fit Refine(const std::vector<Sight>& sights, Fit best) const;
+  [[nodiscard]] Samples Take(const std::vector<InletSight>& smooth, const Place& place) const;
+  [[nodiscard]] std::vector<Place> SearchAll(const std::vector<InletSight>& smooth) const;
+  [[nodiscard]] static std::vector<Place> BestApart(std::vector<Place> places);
+  [[nodiscard]] Place Refine(Place best, const std::function<double(Place&)>& score) const;
+  void Judge(const std::vector<InletSight>& smooth, Place& place) const;
+  [[nodiscard]] double Outline(const std::vector<InletSight>& smooth, const Place& place) const;
+  [[nodiscard]] BranchMouth MouthIn(const InletSight& sight, const Place& place) const;
 
   robot::Camera camera_;
-  KnownSizes sizes_;
+  BranchedPipe pipe_;
   bool left_;
   double nearest_m_;
-  ShaftView light_;
 };
 
 }  // namespace kantaro::perception

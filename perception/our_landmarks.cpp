@@ -91,7 +91,7 @@ std::optional<RangedLandmark> LandmarkTracker::FindMouth() const {
 std::optional<RangedLandmark> LandmarkTracker::FindInlet() const {
   std::vector<InletSight> sights;
   for (const Sight& sight : sights_)
-    sights.push_back({sight.log_brightness, sight.pose, Ahead(sight, 0.0)});
+    sights.push_back({sight.log_brightness, sight.pose, Ahead(sight, 0.0), sight.right_m});
   return inlet_->Find(sights);
 }
 

@@ -86,11 +86,14 @@ PipeWall::PipeWall(const robot::Camera& camera, double pipe_radius_m, const Wall
       down_(along_.cross(right_)) {}
 
 cv::Point2d PipeWall::Project(double distance_m, const Vector2d& direction) const {
+  const Vector3d p = PointAt(distance_m, direction);
+  return center_px_ + focal_px_ / p.z() * cv::Point2d(p.x(), p.y());
+}
+
+Vector3d PipeWall::PointAt(double distance_m, const Vector2d& direction) const {
   // Distances count along the axis from the foot of the camera's perpendicular on it.
   const Vector3d foot = off_ - off_.dot(along_) * along_;
-  const Vector3d p =
-      foot + distance_m * along_ + radius_m_ * (direction.x() * right_ + direction.y() * down_);
-  return center_px_ + focal_px_ / p.z() * cv::Point2d(p.x(), p.y());
+  return foot + distance_m * along_ + radius_m_ * (direction.x() * right_ + direction.y() * down_);
 }
 
 Vector3d PipeWall::PointAt(const cv::Point2d& pixel) const {

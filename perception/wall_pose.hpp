@@ -23,6 +23,8 @@ class PipeWall {
   /// Where the wall at a distance along the axis from the camera, in the direction (right, down)
   /// from the axis, is seen. @pre before the camera
   [[nodiscard]] cv::Point2d Project(double distance_m, const Eigen::Vector2d& direction) const;
+  /// Likewise, in the camera's frame.
+  [[nodiscard]] Eigen::Vector3d PointAt(double distance_m, const Eigen::Vector2d& direction) const;
   /// The wall's point that a pixel sees, in the camera's frame; far away along the axis itself.
   [[nodiscard]] Eigen::Vector3d PointAt(const cv::Point2d& pixel) const;
   /// Unit vector from a point of the wall to the axis.
