@@ -149,7 +149,8 @@ std::vector<InletSearch::Place> InletSearch::BestApart(std::vector<Place> places
 std::vector<InletSearch::Place> InletSearch::SearchAll(
     const std::vector<InletSight>& smooth) const {
   std::vector<Place> places;
-  for (double d = nearest_m_; d <= kFarthest_m; d *= 1.0 + kStep) {
+  const double farthest_m = std::max(kFarthest_m, 2.0 * nearest_m_);
+  for (double d = nearest_m_; d <= farthest_m; d *= 1.0 + kStep) {
     Place here{d, 0.0, Eigen::Vector2d::Zero(), -HUGE_VAL};
     for (double up = kLowest_rad; up <= kHighest_rad; up += kAngleStep_rad) {
       Place place{d, left_ ? std::numbers::pi + up : -up};
