@@ -33,9 +33,11 @@ LandmarkTracker::LandmarkTracker(const robot::Description& description, const ro
     inlet_.emplace(camera, lamps_, sizes, kind == LandmarkKind::kInletLeft, parameters.near_m);
     return;
   }
-  scan_.emplace(camera, radius_m, parameters.near_m, parameters.far_m + 0.3);
-  if (kind == LandmarkKind::kJoint) return;
-  shaft_.emplace(
+  if (kind == LandmarkKind::kJoint) {
+    scan_.emplace(camera, radius_m, parameters.near_m, parameters.far_m + 0.3);
+    return;
+  }
+  mouth_.emplace(
       camera, lamps_, radius_m,
       sizes.shaft_diameter_m > 0.0 ? sizes.shaft_diameter_m : sizes.pipe_diameter_m + kWidening_m);
 }
@@ -45,8 +47,8 @@ std::optional<RangedLandmark> LandmarkTracker::Update(const cv::Mat& brightness,
   const double radius_m = sizes_.pipe_diameter_m / 2.0;
   if (sights_.empty())
     motion_.pose = FindWallPose(brightness, camera_, lamps_, radius_m, camera_height_m_);
-  if (!right.empty()) sights_.push_back({LogBrightness(right), travel_m, baseline_m_, {}, {}, {}});
-  sights_.push_back({LogBrightness(brightness), travel_m, 0.0, {}, {}, {}});
+  if (!right.empty()) sights_.push_back({LogBrightness(right), travel_m, baseline_m_, {}, {}});
+  sights_.push_back({LogBrightness(brightness), travel_m, 0.0, {}, {}});
   const std::size_t most = kPictures * (right.empty() ? 1 : 2);
   if (sights_.size() > most)
     sights_.erase(sights_.begin(), sights_.end() - static_cast<std::ptrdiff_t>(most));
@@ -56,15 +58,14 @@ std::optional<RangedLandmark> LandmarkTracker::Update(const cv::Mat& brightness,
   motion_ = FollowWall(camera_, radius_m, passing, motion_.pose);
   Scan();
   if (inlet_) return FindInlet();
-  return shaft_ ? FindMouth() : FindJoint();
+  return mouth_ ? FindMouth() : FindJoint();
 }
 
 void LandmarkTracker::Scan() {
   for (Sight& sight : sights_) {
     sight.pose = SeenFrom(motion_.pose, sight.right_m);
     if (sight.right_m != 0.0) sight.pose.lean.x() += motion_.turned_px / camera_.focal_px;
-    if (scan_) sight.rings = scan_->Scan(sight.log_brightness, sight.pose, shaft_.has_value());
-    if (shaft_) sight.shaft = shaft_->Take(sight.log_brightness, sight.pose);
+    if (scan_) sight.rings = scan_->Scan(sight.log_brightness, sight.pose);
   }
 }
 
@@ -83,9 +84,8 @@ std::optional<RangedLandmark> LandmarkTracker::FindJoint() const {
 std::optional<RangedLandmark> LandmarkTracker::FindMouth() const {
   std::vector<MouthSight> sights;
   for (const Sight& sight : sights_)
-    sights.push_back({sight.rings, sight.shaft, Ahead(sight, 0.0)});
-  return perception::FindMouth(*shaft_, sights, parameters_.near_m, parameters_.far_m,
-                               camera_.focal_px * sizes_.pipe_diameter_m / 2.0);
+    sights.push_back({sight.log_brightness, sight.pose, Ahead(sight, 0.0)});
+  return perception::FindMouth(*mouth_, sights, parameters_.near_m, parameters_.far_m);
 }
 
 std::optional<RangedLandmark> LandmarkTracker::FindInlet() const {

@@ -5,8 +5,8 @@
 
 #include "perception/inlet_search.hpp"
 #include "perception/landmark_distance.hpp"
+#include "perception/mouth_fit.hpp"
 #include "perception/ring_scan.hpp"
-#include "perception/shaft_view.hpp"
 #include "perception/tried_distance.hpp"
 #include "perception/wall_motion.hpp"
 #include "perception/wall_pose.hpp"
@@ -37,8 +37,7 @@ class LandmarkTracker {
     double travel_m{};
     double right_m{};         ///< of the camera from the left one
     WallPose pose;            ///< before this camera
-    RingScan::Scanned rings;  ///< unless an inlet is looked for
-    ShaftView::Sight shaft;   ///< if a manhole is
+    RingScan::Scanned rings;  ///< if a joint is looked for
   };
 
   void Scan();
@@ -53,7 +52,7 @@ class LandmarkTracker {
   double baseline_m_, camera_height_m_;
   std::vector<Eigen::Vector3d> lamps_;
   std::optional<RingScan> scan_;
-  std::optional<ShaftView> shaft_;
+  std::optional<MouthFit> mouth_;
   std::optional<InletSearch> inlet_;
   std::vector<Sight> sights_;  ///< the left camera's last one is the last
   WallMotion motion_;

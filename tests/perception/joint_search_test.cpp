@@ -49,7 +49,7 @@ JointSight See(const std::vector<Line>& lines, double ahead_m, double noise, int
     }
   }
   const RingScan scan(camera, kPipeRadius_m, kNear_m, kFar_m + 0.3);
-  return {scan.Scan(log_brightness, {}, false), ahead_m};
+  return {scan.Scan(log_brightness, {}), ahead_m};
 }
 
 std::vector<JointSight> Approach(const std::vector<Line>& lines, double noise, int pictures) {

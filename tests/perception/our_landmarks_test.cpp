@@ -40,6 +40,11 @@ std::optional<RangedLandmark> Follow(PipeView view, LandmarkKind kind,
     view.camera_ahead_m = ahead_m;
     cv::Mat grey;
     cv::cvtColor(Draw(view), grey, cv::COLOR_BGR2GRAY);
+    if (kind == LandmarkKind::kManhole) {  // its light is measured, to whose root cameras answer
+      grey.convertTo(grey, CV_32F);
+      cv::sqrt(255.0 * grey, grey);
+      grey.convertTo(grey, CV_8U);
+    }
     if (inlet_m) PaintInlet(grey, *inlet_m - ahead_m, view.radius_m);
     found = tracker.Update(grey, {}, ahead_m);
   }

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "perception/chamber_model.hpp"
+#include "perception/wall_pose.hpp"
+#include "robot/description.hpp"
+
+namespace kantaro::perception {
+
+/// Holds what is seen of a manhole ahead against what its geometry and the robot's lamps would show
+/// if the mouth were at a given distance. Lamps throw no shadows there: they sit about the camera.
+class MouthFit {
+ public:
+  MouthFit(const robot::Camera& camera, const std::vector<Eigen::Vector3d>& p_CLamp,
+           double pipe_radius_m, double shaft_diameter_m);
+
+  [[nodiscard]] double shaft_diameter_m() const { return shaft_diameter_m_; }
+
+  /// What is tried.
+  struct Mouth {
+    double distance_m{};  ///< along the axis, from the camera
+    ChamberModel::Channel channel{};
+    double roll_rad{};  ///< of the manhole against the camera, clockwise as it is seen
+  };
+
+  /// Where to look: between two places of an endless pipe's wall, equally dense in the logarithm of
+  /// their distance and round the wall above the water.
+  struct Grid {
+    double near_m{}, far_m{};
+    double step{};  ///< share
+    int directions{};
+  };
+
+  /// How bright the wall is.
+  struct Light {
+    Eigen::Vector2d line;  ///< log brightness: level, and slope by the logarithm of light
+    double usual{};        ///< deviation from there
+  };
+  [[nodiscard]] Light Measure(const cv::Mat& log_brightness, const WallPose& pose) const;
+
+  /// A pixel, and what it would show of an endless pipe.
+  struct Point {
+    Eigen::Vector3d ray_C;
+    double seen{};                   ///< log brightness
+    double log_lens{};               ///< of the light that the lens passes
+    int cell{};                      ///< of the grid: column times directions, and direction
+    double along_px{}, around_px{};  ///< to its neighbours
+    double blur_px{};
+    Eigen::Vector3d wall_P;          ///< as in ChamberModel
+    double log_light{}, expected{};  ///< there; log brightness that follows
+  };
+  struct Points {
+    Grid grid;
+    Light light;
+    Eigen::Vector3d camera_P, lamp_P;  ///< lamp: the middle of all
+    std::vector<Point> all;
+    int cells{};
+  };
+  /// @param log_brightness  as LogBrightness makes it
+  [[nodiscard]] Points Take(const cv::Mat& log_brightness, const WallPose& pose, const Light& light,
+                            const Grid& grid) const;
+  /// The same pixels with a pose a little off from where it was: edges move, while what the wall
+  /// shows stays, for its shades would draw the pose to where they fit better.
+  [[nodiscard]] Points Stand(Points points, const WallPose& pose) const;
+
+  /// By how many usual deviations each point is brighter than expected, but for a level and slopes
+  /// of each surface's own; and how likely these are.
+  struct Rest {
+    std::vector<double> off;
+    double against{};  ///< half a sum of squares
+    /// Mean over all points of how much less likely they are than if they were as expected.
+    [[nodiscard]] double Misfit() const;
+  };
+  /// @param sharp  without what lens, motion and smoothing mix: quicker
+  [[nodiscard]] Rest Compare(const Points& points, const Mouth& mouth, bool sharp) const;
+
+ private:
+  void Place(Points& points, const WallPose& pose) const;
+
+  robot::Camera camera_;
+  Eigen::Vector3d p_CLamp_;
+  double pipe_radius_m_, shaft_diameter_m_;
+  ChamberModel model_;
+};
+
+}  // namespace kantaro::perception

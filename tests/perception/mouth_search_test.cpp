@@ -1,0 +1,57 @@
+#include "perception/mouth_search.hpp"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include "perception/ring_contrast.hpp"
+#include "pipe_view.hpp"
+
+namespace kantaro::perception {
+namespace {
+
+constexpr double kShaft_m = 0.8;
+
+/// A picture as a camera that answers to the root of light has it.
+cv::Mat Rooted(const PipeView& view) {
+  cv::Mat grey, table(1, 256, CV_8U);
+  cv::cvtColor(Draw(view), grey, cv::COLOR_BGR2GRAY);
+  for (int level = 0; level < 256; ++level)
+    table.at<std::uint8_t>(level) = cv::saturate_cast<std::uint8_t>(std::sqrt(255.0 * level));
+  cv::LUT(grey, table, grey);
+  return LogBrightness(grey);
+}
+
+/// Pictures 8 cm apart, with the lamp at the camera as it is drawn, and the pose as believed.
+RangedLandmark Find(PipeView view, const WallPose& pose = {}) {
+  const MouthFit fit(FrontCamera(), {Eigen::Vector3d::Zero()}, view.radius_m, kShaft_m);
+  std::vector<MouthSight> sights;
+  for (const double behind_m : {0.16, 0.08, 0.0}) {
+    view.camera_ahead_m = -behind_m;
+    sights.push_back({Rooted(view), pose, behind_m});
+  }
+  return FindMouth(fit, sights, 0.25, 1.7);
+}
+
+// The reference goes through the manhole in steps of 3 mm. A pixel of the ring's radius is 0.3 cm
+// of distance at 0.5 m, and 2 cm at 1.35 m.
+TEST(MouthSearch, PutsAMouthWhereItIs) {
+  PipeView view;
+  view.joints = {{0.4}};
+  view.mouth_m = 0.5;
+  EXPECT_NEAR(Find(view).distance_m, 0.5, 0.005);
+  view.mouth_m = 1.35;
+  EXPECT_NEAR(Find(view).distance_m, 1.35, 0.012);
+}
+
+// The axis believed to lean by 0.01 puts the mouth's middle 4 px off.
+TEST(MouthSearch, BearsAPoseThatIsALittleOff) {
+  PipeView view;
+  view.mouth_m = 1.1;
+  EXPECT_NEAR(Find(view, {{0.0, -0.007}, {0.0, 0.01}}).distance_m, 1.1, 0.02);
+}
+
+TEST(MouthSearch, DoubtsAMouthThatIsNotThere) { EXPECT_GT(Find({}).deviation_m, 0.1); }
+
+}  // namespace
+}  // namespace kantaro::perception
