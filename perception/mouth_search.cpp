@@ -24,9 +24,9 @@ constexpr double kMisfitWeight = 100.0;
 constexpr double kPivot_m = 0.7;
 const Vector kReach =
     (Vector() << 0.015, 0.03, 0.005, 0.005, 0.003, 0.003).finished();  ///< of the first pass
-constexpr int kPasses = 3;
-constexpr double kShorter = 0.6;  ///< each pass
-constexpr std::array kStarts{0.94, 0.97, 1.0, 1.03, 1.06};
+constexpr int kPasses = 2, kRounds = 3;
+constexpr double kShorter = 0.6;  ///< each pass, and each round's first
+constexpr std::array kAround{0.94, 0.97, 1.0, 1.03, 1.06};
 /// Misfit by which a pose counts that is off by what is usual.
 constexpr double kPoseMisfit = 0.001, kUsualRoll_rad = 0.06, kUsualLean = 0.008,
                  kUsualOff_m = 0.005;
@@ -61,11 +61,25 @@ class Refiner {
                           x.tail<2>().squaredNorm() / (kUsualOff_m * kUsualOff_m));
   }
 
+  /// The best of some distances around.
+  Vector Nearest(const Vector& x) {
+    Vector nearest = x;
+    double least = HUGE_VAL;
+    for (const double share : kAround) {
+      Vector moved = x;
+      moved[0] += std::log(share);
+      const double misfit = Misfit(moved);
+      if (misfit >= least) continue;
+      least = misfit;
+      nearest = moved;
+    }
+    return nearest;
+  }
+
   /// Along each axis in turn to the lowest point of a parabola: edges make what is expected too
   /// rough for slopes.
-  Vector Improve(Vector x) {
+  Vector Improve(Vector x, Vector reach) {
     double least = Misfit(x);
-    Vector reach = kReach;
     for (int pass = 0; pass < kPasses; ++pass, reach *= kShorter) {
       for (int i = 0; i < kParameters; ++i) {
         const auto at = [&](double by) {
@@ -145,17 +159,12 @@ RangedLandmark FindMouth(const MouthFit& fit, const std::vector<MouthSight>& sig
   }
   Refiner refiner(fit, sights, lights, tried[best].distance_m, channels[best],
                   fit.shaft_diameter_m());
-  Vector start = std::log(tried[best].distance_m) * Vector::Unit(0);
-  double least = HUGE_VAL;
-  for (const double share : kStarts) {
-    const Vector x = std::log(share * tried[best].distance_m) * Vector::Unit(0);
-    const double misfit = refiner.Misfit(x);
-    if (misfit >= least) continue;
-    least = misfit;
-    start = x;
-  }
-  // Two rounds, as distance and pose go together.
-  const double distance_m = std::exp(refiner.Improve(refiner.Improve(start))[0]);
+  // In rounds, as distance and pose go together: with a better pose, other distances are better.
+  Vector x = std::log(tried[best].distance_m) * Vector::Unit(0);
+  Vector reach = kReach;
+  for (int round = 0; round < kRounds; ++round, reach *= kShorter)
+    x = refiner.Improve(refiner.Nearest(x), reach);
+  const double distance_m = std::exp(x[0]);
   double elsewhere = 0.0, all = 0.0;
   for (const TriedDistance& one : tried) {
     const double share = one.distance_m * std::exp(one.log_odds - tried[best].log_odds);
