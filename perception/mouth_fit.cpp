@@ -173,7 +173,7 @@ void MouthFit::Place(Points& points, const WallPose& pose) const {
   R_PC << right.transpose(), along.cross(right).transpose(), along.transpose();
   const Vector3d off(pose.off_m.x(), pose.off_m.y(), 0.0), foot = off - off.dot(along) * along;
   points.camera_P = -R_PC * foot;
-  points.lamp_P = R_PC * (p_CLamp_ - foot);
+  points.lamp_P = R_PC * (p_CLamp_ - points.right_m * Vector3d::UnitX() - foot);
   const Vector2d from = points.camera_P.head<2>();
   const double inside = std::max(0.0, pipe_radius_m_ * pipe_radius_m_ - from.squaredNorm());
   for (Point& point : points.all) {
@@ -183,8 +183,9 @@ void MouthFit::Place(Points& points, const WallPose& pose) const {
   }
 }
 
-MouthFit::Light MouthFit::Measure(const cv::Mat& log_brightness, const WallPose& pose) const {
-  const Points points = Take(log_brightness, pose, {Vector2d::Zero(), 1.0}, kWall);
+MouthFit::Light MouthFit::Measure(const cv::Mat& log_brightness, const WallPose& pose,
+                                  double right_m) const {
+  const Points points = Take(log_brightness, pose, right_m, {Vector2d::Zero(), 1.0}, kWall);
   if (points.all.empty()) return {{0.0, kUsualSlope}, kMostUsual};
   Light light{FitLine(points.all), 0.0};
   std::vector<double> off;
@@ -194,7 +195,7 @@ MouthFit::Light MouthFit::Measure(const cv::Mat& log_brightness, const WallPose&
   return light;
 }
 
-MouthFit::Points MouthFit::Take(const cv::Mat& log_brightness, const WallPose& pose,
+MouthFit::Points MouthFit::Take(const cv::Mat& log_brightness, const WallPose& pose, double right_m,
                                 const Light& light, const Grid& grid) const {
   cv::Mat mixed;
   cv::exp(log_brightness / kRoot, mixed);
@@ -203,6 +204,7 @@ MouthFit::Points MouthFit::Take(const cv::Mat& log_brightness, const WallPose& p
   Points points;
   points.grid = grid;
   points.light = light;
+  points.right_m = right_m;
   for (double z = grid.near_m; z < grid.far_m; z *= 1.0 + grid.step) {
     const double radius_px = camera_.focal_px * pipe_radius_m_ / z;
     const bool wide = grid.step * radius_px > kWide_px;

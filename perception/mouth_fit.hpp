@@ -39,7 +39,9 @@ class MouthFit {
     Eigen::Vector2d line;  ///< log brightness: level, and slope by the logarithm of light
     double usual{};        ///< deviation from there
   };
-  [[nodiscard]] Light Measure(const cv::Mat& log_brightness, const WallPose& pose) const;
+  /// @param right_m  of the camera from the left one, whose lamps are known
+  [[nodiscard]] Light Measure(const cv::Mat& log_brightness, const WallPose& pose,
+                              double right_m) const;
 
   /// A pixel, and what it would show of an endless pipe.
   struct Point {
@@ -55,13 +57,14 @@ class MouthFit {
   struct Points {
     Grid grid;
     Light light;
+    double right_m{};                  ///< of the camera from the left one
     Eigen::Vector3d camera_P, lamp_P;  ///< lamp: the middle of all
     std::vector<Point> all;
     int cells{};
   };
   /// @param log_brightness  as LogBrightness makes it
-  [[nodiscard]] Points Take(const cv::Mat& log_brightness, const WallPose& pose, const Light& light,
-                            const Grid& grid) const;
+  [[nodiscard]] Points Take(const cv::Mat& log_brightness, const WallPose& pose, double right_m,
+                            const Light& light, const Grid& grid) const;
   /// The same pixels with a pose a little off from where it was: edges move, while what the wall
   /// shows stays, for its shades would draw the pose to where they fit better.
   [[nodiscard]] Points Stand(Points points, const WallPose& pose) const;

@@ -43,7 +43,7 @@ class Refiner {
     for (std::size_t k = 0; k < sights.size(); ++k) {
       const double there_m = distance_m + sights[k].ahead_m;
       points_.push_back(fit.Take(
-          sights[k].log_brightness, sights[k].pose, lights[k],
+          sights[k].log_brightness, sights[k].pose, sights[k].right_m, lights[k],
           {std::max(0.15, 0.65 * there_m), 1.2 * (there_m + shaft_m), kFineStep, kFineDirections}));
     }
     leaning_ = points_;
@@ -127,8 +127,8 @@ RangedLandmark FindMouth(const MouthFit& fit, const std::vector<MouthSight>& sig
   std::vector<MouthFit::Light> lights;
   std::vector<MouthFit::Points> coarse;
   for (const MouthSight& sight : sights) {
-    lights.push_back(fit.Measure(sight.log_brightness, sight.pose));
-    coarse.push_back(fit.Take(sight.log_brightness, sight.pose, lights.back(),
+    lights.push_back(fit.Measure(sight.log_brightness, sight.pose, sight.right_m));
+    coarse.push_back(fit.Take(sight.log_brightness, sight.pose, sight.right_m, lights.back(),
                               {kLookNear_m, kLookFar_m, kCoarseStep, kCoarseDirections}));
   }
   std::vector<TriedDistance> tried;

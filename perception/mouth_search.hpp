@@ -13,6 +13,7 @@ struct MouthSight {
   cv::Mat log_brightness;
   WallPose pose;
   double ahead_m{};  ///< added to a distance from the last left picture, the distance from this one
+  double right_m{};  ///< of the camera from the left one
 };
 
 /// Where a manhole's mouth is, by all pictures together: before calibration.

@@ -84,7 +84,7 @@ std::optional<RangedLandmark> LandmarkTracker::FindJoint() const {
 std::optional<RangedLandmark> LandmarkTracker::FindMouth() const {
   std::vector<MouthSight> sights;
   for (const Sight& sight : sights_)
-    sights.push_back({sight.log_brightness, sight.pose, Ahead(sight, 0.0)});
+    sights.push_back({sight.log_brightness, sight.pose, Ahead(sight, 0.0), sight.right_m});
   return perception::FindMouth(*mouth_, sights, parameters_.near_m, parameters_.far_m);
 }
 

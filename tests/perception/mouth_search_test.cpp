@@ -53,5 +53,21 @@ TEST(MouthSearch, BearsAPoseThatIsALittleOff) {
 
 TEST(MouthSearch, DoubtsAMouthThatIsNotThere) { EXPECT_GT(Find({}).deviation_m, 0.1); }
 
+// Lamps 6 cm to the left of where the left camera has them.
+TEST(MouthSearch, KnowsWhereTheLampsAreBeforeTheRightCamera) {
+  PipeView view;
+  view.mouth_m = 0.9;
+  const cv::Mat picture = Rooted(view);
+  const Eigen::Vector3d lamp(0.05, -0.08, 0.0);
+  const MouthFit pair(FrontCamera(), {lamp}, view.radius_m, kShaft_m);
+  const MouthFit alone(FrontCamera(), {lamp - 0.06 * Eigen::Vector3d::UnitX()}, view.radius_m,
+                       kShaft_m);
+  const MouthFit::Light right = pair.Measure(picture, {}, 0.06),
+                        same = alone.Measure(picture, {}, 0.0);
+  EXPECT_NEAR(right.line.y(), same.line.y(), 1e-9);
+  EXPECT_NEAR(right.usual, same.usual, 1e-9);
+  EXPECT_GT(std::abs(right.line.y() - pair.Measure(picture, {}, 0.0).line.y()), 1e-3);
+}
+
 }  // namespace
 }  // namespace kantaro::perception
