@@ -57,25 +57,28 @@ class CheckedDistance : public LandmarkDistance {
  public:
   CheckedDistance(const robot::Camera& camera, bool pair) : camera_(camera), pair_(pair) {}
 
-  LandmarkAnswer Update(const LandmarkLook& look) final {
+  void Add(const LandmarkLook& look) final {
     CheckImage(look.image, camera_, "landmark distance");
     if (pair_) CheckImage(look.right, camera_, "landmark distance, right image");
     if (!std::isfinite(look.travel_m))
       throw std::invalid_argument("landmark distance: the travel must be a number");
-    auto unusable = Unusable(look.image);
-    if (!unusable && pair_) unusable = Unusable(look.right);
-    if (unusable) return {*unusable};
-    return See(look);
+    unusable_ = Unusable(look.image);
+    if (!unusable_ && pair_) unusable_ = Unusable(look.right);
+    if (!unusable_) Keep(look);
   }
+
+  LandmarkAnswer Answer() final { return unusable_ ? LandmarkAnswer{*unusable_} : See(); }
 
  protected:
   [[nodiscard]] const robot::Camera& camera() const { return camera_; }
 
  private:
-  virtual LandmarkAnswer See(const LandmarkLook& look) = 0;
+  virtual void Keep(const LandmarkLook& look) = 0;
+  virtual LandmarkAnswer See() = 0;
 
   robot::Camera camera_;
   bool pair_;
+  std::optional<Status> unusable_{Status::kNotSeen};  ///< the last look, or none yet
 };
 
 /// Thesis 4.3.
@@ -89,8 +92,10 @@ class ThesisMono : public CheckedDistance {
         sizes_(sizes) {}
 
  private:
-  LandmarkAnswer See(const LandmarkLook& look) override {
-    const HoughCircle circle = ThesisCircle(look.image, camera(), parameters_, kind_, sizes_);
+  void Keep(const LandmarkLook& look) override { look.image.copyTo(image_); }
+
+  LandmarkAnswer See() override {
+    const HoughCircle circle = ThesisCircle(image_, camera(), parameters_, kind_, sizes_);
     if (circle.votes == 0) return {};
     const double radius_px = circle.radius_px * RadiusScale(kind_, sizes_);
     return {Status::kFound,
@@ -101,6 +106,7 @@ class ThesisMono : public CheckedDistance {
   LandmarkParameters parameters_;
   LandmarkKind kind_;
   KnownSizes sizes_;
+  cv::Mat image_;
 };
 
 /// Thesis 5.5.
@@ -114,9 +120,14 @@ class ThesisStereo : public CheckedDistance {
         baseline_m_(robot::StereoBaseline_m(description)) {}
 
  private:
-  LandmarkAnswer See(const LandmarkLook& look) override {
+  void Keep(const LandmarkLook& look) override {
+    look.image.copyTo(image_);
+    look.right.copyTo(right_);
+  }
+
+  LandmarkAnswer See() override {
     const StereoSight sight =
-        SeeByStereo(look.image, look.right, camera().focal_px * baseline_m_, parameters_, kind_);
+        SeeByStereo(image_, right_, camera().focal_px * baseline_m_, parameters_, kind_);
     if (sight.distances_m.empty()) return {};
     return {Status::kFound, RefineDistances(sight.distances_m, sight.tau1_m, sight.tau2_m)};
   }
@@ -124,6 +135,7 @@ class ThesisStereo : public CheckedDistance {
   LandmarkParameters parameters_;
   LandmarkKind kind_;
   double baseline_m_;
+  cv::Mat image_, right_;
 };
 
 LandmarkAnswer Calibrated(const RangedLandmark& ranged, const ErrorFit& fit) {
@@ -139,10 +151,9 @@ class OurMono : public CheckedDistance {
         tracker_(description, description.front_camera, 0.0, parameters, kind, sizes) {}
 
  private:
-  LandmarkAnswer See(const LandmarkLook& look) override {
-    const auto seen = tracker_.Update(look.image, {}, look.travel_m);
-    return seen ? Calibrated(*seen, fit_) : LandmarkAnswer{};
-  }
+  void Keep(const LandmarkLook& look) override { tracker_.Add(look.image, {}, look.travel_m); }
+
+  LandmarkAnswer See() override { return Calibrated(tracker_.Answer(), fit_); }
 
   ErrorFit fit_;
   LandmarkTracker tracker_;
@@ -161,10 +172,11 @@ class OurStereo : public CheckedDistance {
                  parameters, kind, sizes) {}
 
  private:
-  LandmarkAnswer See(const LandmarkLook& look) override {
-    const auto seen = tracker_.Update(look.image, look.right, look.travel_m);
-    return seen ? Calibrated(*seen, fit_) : LandmarkAnswer{};
+  void Keep(const LandmarkLook& look) override {
+    tracker_.Add(look.image, look.right, look.travel_m);
   }
+
+  LandmarkAnswer See() override { return Calibrated(tracker_.Answer(), fit_); }
 
   ErrorFit fit_;
   LandmarkTracker tracker_;

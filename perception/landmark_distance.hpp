@@ -40,6 +40,9 @@ struct LandmarkAnswer {
 /// "found", "not seen", "blank picture", "saturated picture".
 [[nodiscard]] const char* ToString(LandmarkAnswer::Status status);
 
+/// So many pictures of an approach count at most; older ones are forgotten.
+inline constexpr int kPicturesOfApproach = 5;
+
 /// Tells how far the nearest landmark of a kind is (thesis 4.3, 5.5). One object follows one
 /// approach to one landmark; a new landmark needs a new one.
 class LandmarkDistance {
@@ -49,9 +52,16 @@ class LandmarkDistance {
   LandmarkDistance& operator=(const LandmarkDistance&) = delete;
   virtual ~LandmarkDistance() = default;
 
+  /// Keeps a look, and answers nothing yet: cheap.
   /// @throws std::invalid_argument for images that are not 8-bit brightness of the camera's size,
   /// and for a travel that is not finite.
-  [[nodiscard]] virtual LandmarkAnswer Update(const LandmarkLook& look) = 0;
+  virtual void Add(const LandmarkLook& look) = 0;
+  /// From where the last look was taken, by all that were kept.
+  [[nodiscard]] virtual LandmarkAnswer Answer() = 0;
+  [[nodiscard]] LandmarkAnswer Update(const LandmarkLook& look) {
+    Add(look);
+    return Answer();
+  }
 };
 
 /// By a single camera (thesis 4.3), with parameters.mono.

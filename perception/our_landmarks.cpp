@@ -9,8 +9,7 @@
 namespace kantaro::perception {
 namespace {
 
-constexpr std::size_t kPictures = 3;  ///< kept, of each camera
-constexpr double kWidening_m = 0.5;   ///< a shaft is wider than its pipe by so much (thesis 5.2)
+constexpr double kWidening_m = 0.5;  ///< a shaft is wider than its pipe by so much (thesis 5.2)
 
 double CameraHeight(double pipe_diameter_m) {
   // Where the robot stands on its wheels (docs/robot.md): the wheels' treads are leaned outwards.
@@ -42,20 +41,22 @@ LandmarkTracker::LandmarkTracker(const robot::Description& description, const ro
       sizes.shaft_diameter_m > 0.0 ? sizes.shaft_diameter_m : sizes.pipe_diameter_m + kWidening_m);
 }
 
-std::optional<RangedLandmark> LandmarkTracker::Update(const cv::Mat& brightness,
-                                                      const cv::Mat& right, double travel_m) {
-  const double radius_m = sizes_.pipe_diameter_m / 2.0;
+void LandmarkTracker::Add(const cv::Mat& brightness, const cv::Mat& right, double travel_m) {
   if (sights_.empty())
-    motion_.pose = FindWallPose(brightness, camera_, lamps_, radius_m, camera_height_m_);
+    motion_.pose =
+        FindWallPose(brightness, camera_, lamps_, sizes_.pipe_diameter_m / 2.0, camera_height_m_);
   if (!right.empty()) sights_.push_back({LogBrightness(right), travel_m, baseline_m_, {}, {}});
   sights_.push_back({LogBrightness(brightness), travel_m, 0.0, {}, {}});
-  const std::size_t most = kPictures * (right.empty() ? 1 : 2);
+  const std::size_t most = kPicturesOfApproach * (right.empty() ? 1 : 2);
   if (sights_.size() > most)
     sights_.erase(sights_.begin(), sights_.end() - static_cast<std::ptrdiff_t>(most));
+}
+
+RangedLandmark LandmarkTracker::Answer() {
   std::vector<WallSight> passing;
   for (const Sight& sight : sights_)
     passing.push_back({sight.log_brightness, sight.travel_m, sight.right_m});
-  motion_ = FollowWall(camera_, radius_m, passing, motion_.pose);
+  motion_ = FollowWall(camera_, sizes_.pipe_diameter_m / 2.0, passing, motion_.pose);
   Scan();
   if (inlet_) return FindInlet();
   return mouth_ ? FindMouth() : FindJoint();
@@ -75,20 +76,20 @@ double LandmarkTracker::Ahead(const Sight& sight, double distance_m) const {
          sight.right_m * motion_.pose.lean.x();
 }
 
-std::optional<RangedLandmark> LandmarkTracker::FindJoint() const {
+RangedLandmark LandmarkTracker::FindJoint() const {
   std::vector<JointSight> sights;
   for (const Sight& sight : sights_) sights.push_back({sight.rings, Ahead(sight, 0.0)});
   return perception::FindJoint(sights, parameters_.near_m, parameters_.far_m);
 }
 
-std::optional<RangedLandmark> LandmarkTracker::FindMouth() const {
+RangedLandmark LandmarkTracker::FindMouth() const {
   std::vector<MouthSight> sights;
   for (const Sight& sight : sights_)
     sights.push_back({sight.log_brightness, sight.pose, Ahead(sight, 0.0), sight.right_m});
   return perception::FindMouth(*mouth_, sights, parameters_.near_m, parameters_.far_m);
 }
 
-std::optional<RangedLandmark> LandmarkTracker::FindInlet() const {
+RangedLandmark LandmarkTracker::FindInlet() const {
   std::vector<InletSight> sights;
   for (const Sight& sight : sights_)
     sights.push_back({sight.log_brightness, sight.pose, Ahead(sight, 0.0), sight.right_m});

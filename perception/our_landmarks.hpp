@@ -27,9 +27,9 @@ class LandmarkTracker {
 
   /// @param brightness  rectified, of the camera's size
   /// @param right       of the right camera; empty for a single one
-  /// @returns nothing if nothing is seen
-  [[nodiscard]] std::optional<RangedLandmark> Update(const cv::Mat& brightness,
-                                                     const cv::Mat& right, double travel_m);
+  void Add(const cv::Mat& brightness, const cv::Mat& right, double travel_m);
+  /// Before the last picture of those added: at least one.
+  [[nodiscard]] RangedLandmark Answer();
 
  private:
   struct Sight {
@@ -42,9 +42,9 @@ class LandmarkTracker {
 
   void Scan();
   [[nodiscard]] double Ahead(const Sight& sight, double distance_m) const;
-  [[nodiscard]] std::optional<RangedLandmark> FindJoint() const;
-  [[nodiscard]] std::optional<RangedLandmark> FindMouth() const;
-  [[nodiscard]] std::optional<RangedLandmark> FindInlet() const;
+  [[nodiscard]] RangedLandmark FindJoint() const;
+  [[nodiscard]] RangedLandmark FindMouth() const;
+  [[nodiscard]] RangedLandmark FindInlet() const;
 
   robot::Camera camera_;
   LandmarkParameters parameters_;

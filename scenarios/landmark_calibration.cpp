@@ -72,9 +72,9 @@ std::optional<double> RadiusOf(const LandmarkView& view, const robot::Camera& ca
 }
 
 std::optional<StatedError> Ask(perception::LandmarkDistance& distance, const LandmarkView& view) {
-  perception::LandmarkAnswer answer;
   for (const LandmarkPicture& picture : view.pictures)
-    answer = distance.Update({picture.image, picture.right, picture.travel_m});
+    distance.Add({picture.image, picture.right, picture.travel_m});
+  const perception::LandmarkAnswer answer = distance.Answer();
   if (answer.status != perception::LandmarkAnswer::Status::kFound) return {};
   return StatedError{view.plan.distance_m, answer.distance_m - view.plan.distance_m,
                      answer.deviation_m};

@@ -42,9 +42,10 @@ network::Manhole ManholeAt(const char* name, double x_m, double y_m) {
   return manhole;
 }
 
+/// The first one so far in that the whole of any approach to it is inside the pipe.
 void AddJoints(network::Pipe& pipe, RandomStream& random) {
   const double length_m = random.Uniform(kShortestLength_m, kLongestLength_m);
-  for (double at_m = random.Uniform(1.9, 2.5); at_m < kPipe_m - 0.3; at_m += length_m) {
+  for (double at_m = random.Uniform(2.1, 2.7); at_m < kPipe_m - 0.3; at_m += length_m) {
     network::Joint joint;
     joint.chainage_m = at_m;
     joint.gap_m = random.Uniform(0.006, 0.012);
@@ -232,9 +233,9 @@ class LandmarkStage::Impl {
     const double end_m = world_.sewer->axes.front().length_m();
     const double at_m = ChainageOf(sewer_, plan, end_m) - plan.distance_m;
     std::vector<LandmarkPicture> pictures;
-    for (int i = kPicturesOfApproach - count; i < kPicturesOfApproach; ++i) {
-      const double travel_m = (i - kPicturesOfApproach + 1) * plan.between_m;
-      const std::string noise = fmt::format("{}.picture.{}", stream, i);
+    for (int before = count - 1; before >= 0; --before) {
+      const double travel_m = -before * plan.between_m;
+      const std::string noise = fmt::format("{}.picture.{}", stream, before);
       LandmarkPicture picture;
       picture.travel_m = travel_m * (1.0 + plan.odometry_error);
       if (cameras == ViewCameras::kFront) {

@@ -70,9 +70,6 @@ struct LandmarkPicture {
   double travel_m{};  ///< as odometry counts it
 };
 
-/// Pictures of an approach, the last one at the plan's distance.
-inline constexpr int kPicturesOfApproach = 3;
-
 /// Photographs one sewer.
 class LandmarkStage {
  public:
@@ -80,10 +77,11 @@ class LandmarkStage {
   LandmarkStage(const robot::Description& description, LandmarkSewer sewer);
   ~LandmarkStage();
 
-  /// @param count  the last so many pictures; a picture is the same with or without those before
+  /// @param count  the last so many pictures, the very last at the plan's distance; a picture is
+  /// the same with or without those before
   [[nodiscard]] std::vector<LandmarkPicture> Approach(const ViewPlan& plan, ViewCameras cameras,
                                                       std::uint64_t seed, const std::string& stream,
-                                                      int count = kPicturesOfApproach);
+                                                      int count = perception::kPicturesOfApproach);
 
  private:
   class Impl;
@@ -110,7 +108,7 @@ struct ViewRequest {
   std::vector<perception::LandmarkKind> kinds;  ///< of each view
   std::uint64_t seed{1};
   unsigned jobs{1};                   ///< threads; changes no view
-  int pictures{kPicturesOfApproach};  ///< of each approach, its last ones
+  int pictures{perception::kPicturesOfApproach};  ///< of each approach, its last ones
 };
 
 /// So many views are taken in one sewer: three sewers for the thesis' 74 or 70.

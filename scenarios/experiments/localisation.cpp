@@ -116,11 +116,13 @@ Outcome Ask(const robot::Description& description, perception::LandmarkParameter
   outcome.condition = ConditionOf(view);
   outcome.clear = view.clear;
   outcome.distance_m = view.plan.distance_m;
+  double before_ms = 0.0;
   for (const LandmarkPicture& picture : view.pictures) {
-    const double before_ms = Cpu_ms();
-    outcome.answer = asked->Update({picture.image, picture.right, picture.travel_m});
-    outcome.time_ms = Cpu_ms() - before_ms;
+    before_ms = Cpu_ms();
+    asked->Add({picture.image, picture.right, picture.travel_m});
   }
+  outcome.answer = asked->Answer();
+  outcome.time_ms = Cpu_ms() - before_ms;
   return outcome;
 }
 
@@ -322,7 +324,7 @@ void MeasureSet(const Measurement& m, std::size_t& done, Json& rows, Json& point
                             Kinds(m.trial, m.count),
                             m.options.seed,
                             m.options.jobs,
-                            wanted(kOurs) ? kPicturesOfApproach : 1};
+                            wanted(kOurs) ? perception::kPicturesOfApproach : 1};
   const bool apart = m.trial.cameras == ViewCameras::kStereo && wanted(kThesis);
   std::vector<StereoParts> parts(apart ? m.count : 0);
   std::mutex mutex;
