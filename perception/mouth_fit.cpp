@@ -11,6 +11,8 @@
 namespace kantaro::perception {
 namespace {
 
+using Eigen::ArrayXf;
+using Eigen::ArrayXXf;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Surface = ChamberModel::Surface;
@@ -37,16 +39,18 @@ constexpr double kLeastUsual = 0.05, kMostUsual = 0.12;
 constexpr double kSayingTheSame = 10.0;
 const Vector3d kPipeSpread(0.05, 0.03, 0.10), kSpread(0.25, 0.15, 0.10);
 
-double LogLight(const Vector3d& lamp, const Vector3d& point, const Vector3d& normal) {
+/// That a surface sends back, but for its own brightness.
+double LightFrom(const Vector3d& lamp, const Vector3d& point, const Vector3d& normal) {
   const Vector3d to = lamp - point;
   const double range2 = to.squaredNorm(), range = std::sqrt(range2);
   const double square = (1.0 - kScattered) * std::max(0.0, normal.dot(to)) / range + kScattered;
   const double lobe = kToSides + (1.0 - kToSides) * std::max(0.0, -to.z()) / range;
-  return std::log(square * lobe / range2);
+  return square * lobe / range2;
 }
 
-double LogBrightnessOf(const Vector2d& line, double log_light) {
-  return std::log(std::exp(line.x() + line.y() * log_light) + kDarkFloor);
+ArrayXf Brightness(const Vector2d& line, const ArrayXf& light) {
+  return (static_cast<float>(line.x()) + static_cast<float>(line.y()) * light.log()).exp() +
+         static_cast<float>(kDarkFloor);
 }
 
 double Look(const cv::Mat& picture, const cv::Point2d& p) {
@@ -57,23 +61,23 @@ double Look(const cv::Mat& picture, const cv::Point2d& p) {
          (next[0] * (1.0 - fx) + next[1] * fx) * fy;
 }
 
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+float Median(ArrayXf values) {
+  const auto middle = values.begin() + values.size() / 2;
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
 
 /// Robust line from the log of light to that of brightness.
-Vector2d FitLine(const std::vector<MouthFit::Point>& points) {
+Vector2d FitLine(const MouthFit::Points& points) {
   Vector2d line(0.0, kUsualSlope);
   for (int pass = 0; pass < kLinePasses; ++pass) {
     Eigen::Matrix2d normal = 1e-9 * Eigen::Matrix2d::Identity();
     const double prior = kCorrelated * std::pow(kOutlier / kSlopeSpread, 2.0);
     normal(1, 1) += prior;
     Vector2d right(0.0, prior * kUsualSlope);
-    for (const MouthFit::Point& point : points) {
-      const Vector2d row(1.0, point.log_light);
-      const double value = std::log(std::max(0.3, std::exp(point.seen) - kDarkFloor));
+    for (Eigen::Index k = 0; k < points.seen.size(); ++k) {
+      const Vector2d row(1.0, std::log(points.arriving[k]));
+      const double value = std::log(std::max(0.3, std::exp(points.seen[k]) - kDarkFloor));
       const double off = (value - line.dot(row)) / kOutlier;
       const double weight = pass > 0 ? 1.0 / ((1.0 + off * off) * (1.0 + off * off)) : 1.0;
       normal += weight * row * row.transpose();
@@ -84,67 +88,68 @@ Vector2d FitLine(const std::vector<MouthFit::Point>& points) {
   return line;
 }
 
-/// A picture smoothed in its light, which is what lenses mix, again as log brightness.
-cv::Mat Smooth(const cv::Mat& light, double by_px) {
-  cv::Mat smooth;
-  cv::GaussianBlur(light, smooth, {}, by_px);
-  cv::log(smooth, smooth);
-  return kRoot * smooth;
-}
-
-/// Mixes each point's light with that of its neighbours in the grid.
-void Blur(const MouthFit::Points& points, std::vector<double>& log_brightness) {
-  std::vector<double> light(static_cast<std::size_t>(points.cells), 0.0), mixed(light);
-  std::vector<char> there(light.size(), 0);
-  for (std::size_t k = 0; k < points.all.size(); ++k) {
-    light[points.all[k].cell] = std::exp(log_brightness[k] / kRoot);
-    there[points.all[k].cell] = 1;
-  }
-  const int directions = points.grid.directions;
-  for (const bool along : {true, false}) {
-    for (const MouthFit::Point& point : points.all) {
-      const double apart = (along ? point.along_px : point.around_px) / point.blur_px;
-      const double one = std::exp(-0.5 * apart * apart), four = one * one * one * one;
-      const std::array<double, kMixed + 1> shares{1.0, one, four, four * four * one};
-      double sum = 0.0, all = 0.0;
-      for (int by = -kMixed; by <= kMixed; ++by) {
-        const int cell = point.cell + by * (along ? directions : 1);
-        if (cell < 0 || cell >= points.cells || there[cell] == 0) continue;
-        if (!along && cell / directions != point.cell / directions) continue;
-        sum += shares[std::abs(by)] * light[cell];
-        all += shares[std::abs(by)];
-      }
-      mixed[point.cell] = sum / all;
+/// What each cell gets of itself and of its neighbours at other distances; or round the wall.
+ArrayXXf MixAlong(const ArrayXXf& cells, const Eigen::ArrayX4f& shares) {
+  ArrayXXf mixed(cells.rows(), cells.cols());
+  for (Eigen::Index i = 0; i < cells.cols(); ++i) {
+    mixed.col(i) = cells.col(i) * shares(i, 0);
+    for (int by = 1; by <= kMixed; ++by) {
+      if (i >= by) mixed.col(i) += shares(i, by) * cells.col(i - by);
+      if (i + by < cells.cols()) mixed.col(i) += shares(i, by) * cells.col(i + by);
     }
-    std::swap(light, mixed);
   }
-  for (std::size_t k = 0; k < points.all.size(); ++k)
-    log_brightness[k] = kRoot * std::log(light[points.all[k].cell]);
+  return mixed;
+}
+ArrayXXf MixAround(const ArrayXXf& cells, const Eigen::ArrayX4f& shares) {
+  ArrayXXf mixed(cells.rows(), cells.cols());
+  for (Eigen::Index i = 0; i < cells.cols(); ++i) {
+    mixed.col(i) = cells.col(i) * shares(i, 0);
+    for (int by = 1; by <= kMixed; ++by) {
+      const Eigen::Index rest = cells.rows() - by;
+      mixed.col(i).tail(rest) += shares(i, by) * cells.col(i).head(rest);
+      mixed.col(i).head(rest) += shares(i, by) * cells.col(i).tail(rest);
+    }
+  }
+  return mixed;
 }
 
-/// A point of a surface, and by how much it is brighter than expected.
-struct Spot {
-  Vector3d where;
-  double off{};
-  std::size_t point{};
+/// Light of each point mixed with that of its neighbours in the grid.
+ArrayXf Blur(const MouthFit::Points& points, const ArrayXf& light) {
+  ArrayXXf cells = ArrayXXf::Zero(points.all_along.rows(), points.all_along.cols());
+  for (Eigen::Index k = 0; k < light.size(); ++k) cells(points.cell[k]) = light[k];
+  const auto there = points.all_along > 0.0F;
+  cells = there.select(MixAlong(cells, points.along) / points.all_along, 0.0F);
+  cells = MixAround(cells, points.around);
+  ArrayXf mixed(light.size());
+  for (Eigen::Index k = 0; k < light.size(); ++k)
+    mixed[k] = cells(points.cell[k]) / points.all_around(points.cell[k]);
+  return mixed;
+}
+
+/// Points of a surface: where, across and along, and by how much they are brighter than expected.
+struct Spots {
+  ArrayXf across, along, off;
 };
 
 /// Level and slopes of a surface's brightness over what is expected, known to a spread: walls
 /// differ, and shine where they are wet.
-Vector3d FitPlane(const std::vector<Spot>& spots, const Vector3d& prior) {
-  std::vector<double> offs;
-  for (const Spot& spot : spots) offs.push_back(spot.off);
-  Vector3d plane(Median(std::move(offs)), 0.0, 0.0);
+Eigen::Vector3f FitPlane(const Spots& spots, const Eigen::Vector3f& prior) {
+  const auto& [a, b, off] = spots;
+  Eigen::Vector3f plane(Median(off), 0.0F, 0.0F);
   for (int pass = 0; pass < kPlanePasses; ++pass) {
-    Eigen::Matrix3d normal = prior.asDiagonal();
-    Vector3d right = Vector3d::Zero();
-    for (const Spot& spot : spots) {
-      const double off = spot.off - plane.dot(spot.where);
-      const Vector3d weighted = spot.where / (1.0 + off * off);
-      normal.noalias() += weighted * spot.where.transpose();
-      right += weighted * spot.off;
-    }
-    plane = normal.ldlt().solve(right);
+    const ArrayXf weight =
+        (1.0F + (off - plane[0] - plane[1] * a - plane[2] * b).square()).inverse();
+    const ArrayXf to_a = weight * a, to_b = weight * b;
+    Eigen::Matrix3f normal = prior.asDiagonal();
+    normal(0, 0) += weight.sum();
+    normal(1, 0) += to_a.sum();
+    normal(2, 0) += to_b.sum();
+    normal(1, 1) += (to_a * a).sum();
+    normal(2, 1) += (to_a * b).sum();
+    normal(2, 2) += (to_b * b).sum();
+    // Reads the lower half alone.
+    plane = normal.ldlt().solve(
+        Eigen::Vector3f((weight * off).sum(), (to_a * off).sum(), (to_b * off).sum()));
   }
   return plane;
 }
@@ -161,12 +166,16 @@ MouthFit::MouthFit(const robot::Camera& camera, const std::vector<Vector3d>& p_C
   for (const Vector3d& lamp : p_CLamp) p_CLamp_ += lamp / static_cast<double>(p_CLamp.size());
 }
 
-MouthFit::Points MouthFit::Stand(Points points, const WallPose& pose) const {
-  Place(points, pose);
-  return points;
+MouthFit::Picture MouthFit::Smooth(const cv::Mat& log_brightness) {
+  cv::Mat light;
+  Picture picture;
+  cv::exp(log_brightness * (1.0 / kRoot), light);  // lenses mix light
+  cv::GaussianBlur(light, picture.fine, {}, kFine_px);
+  cv::GaussianBlur(light, picture.coarse, {}, kCoarse_px);
+  return picture;
 }
 
-void MouthFit::Place(Points& points, const WallPose& pose) const {
+void MouthFit::Stand(Points& points, const WallPose& pose) const {
   const Vector3d along = Vector3d(pose.lean.x(), pose.lean.y(), 1.0).normalized();
   const Vector3d right = (Vector3d::UnitX() - along.x() * along).normalized();
   Eigen::Matrix3d R_PC;
@@ -176,69 +185,83 @@ void MouthFit::Place(Points& points, const WallPose& pose) const {
   points.lamp_P = R_PC * (p_CLamp_ - points.right_m * Vector3d::UnitX() - foot);
   const Vector2d from = points.camera_P.head<2>();
   const double inside = std::max(0.0, pipe_radius_m_ * pipe_radius_m_ - from.squaredNorm());
-  for (Point& point : points.all) {
-    const Vector3d ray = R_PC * point.ray_C;
+  for (std::size_t k = 0; k < points.ray_C.size(); ++k) {
+    const Vector3d ray = R_PC * points.ray_C[k];
     const double a = std::max(1e-9, ray.head<2>().squaredNorm()), b = ray.head<2>().dot(from);
-    point.wall_P = points.camera_P + (-b + std::sqrt(b * b + a * inside)) / a * ray;
+    points.wall_P[k] = points.camera_P + (-b + std::sqrt(b * b + a * inside)) / a * ray;
+    points.log_along[k] = static_cast<float>(std::max(1e-3, points.wall_P[k].z()));
   }
+  points.log_along = points.log_along.log();
 }
 
-MouthFit::Light MouthFit::Measure(const cv::Mat& log_brightness, const WallPose& pose,
+MouthFit::Light MouthFit::Measure(const Picture& picture, const WallPose& pose,
                                   double right_m) const {
-  const Points points = Take(log_brightness, pose, right_m, {Vector2d::Zero(), 1.0}, kWall);
-  if (points.all.empty()) return {{0.0, kUsualSlope}, kMostUsual};
-  Light light{FitLine(points.all), 0.0};
-  std::vector<double> off;
-  for (const Point& point : points.all)
-    off.push_back(std::abs(point.seen - LogBrightnessOf(light.line, point.log_light)));
-  light.usual = std::clamp(1.5 * Median(std::move(off)), kLeastUsual, kMostUsual);
-  return light;
+  const Points points = Take(picture, pose, right_m, {Vector2d::Zero(), 1.0}, kWall);
+  if (points.ray_C.empty()) return {{0.0, kUsualSlope}, kMostUsual};
+  const Vector2d line = FitLine(points);
+  const ArrayXf off = (points.seen - Brightness(line, points.arriving).log()).abs();
+  return {line, std::clamp(1.5 * Median(off), kLeastUsual, kMostUsual)};
 }
 
-MouthFit::Points MouthFit::Take(const cv::Mat& log_brightness, const WallPose& pose, double right_m,
+MouthFit::Points MouthFit::Take(const Picture& picture, const WallPose& pose, double right_m,
                                 const Light& light, const Grid& grid) const {
-  cv::Mat mixed;
-  cv::exp(log_brightness / kRoot, mixed);
-  const cv::Mat fine = Smooth(mixed, kFine_px), coarse = Smooth(mixed, kCoarse_px);
   const PipeWall wall(camera_, pipe_radius_m_, pose);
-  Points points;
-  points.grid = grid;
-  points.light = light;
-  points.right_m = right_m;
+  Points points{.grid = grid, .light = light, .right_m = right_m};
+  std::vector<float> seen, lens;
+  std::vector<std::array<float, 2>> apart;  // of each column's points, by what is mixed
   for (double z = grid.near_m; z < grid.far_m; z *= 1.0 + grid.step) {
     const double radius_px = camera_.focal_px * pipe_radius_m_ / z;
     const bool wide = grid.step * radius_px > kWide_px;
-    const cv::Mat& smooth = wide ? coarse : fine;
-    for (int i = 0; i < grid.directions; ++i, ++points.cells) {
+    const cv::Mat& smooth = wide ? picture.coarse : picture.fine;
+    const double blur_px = std::hypot(wide ? kCoarse_px : kFine_px, kLens_px);
+    for (int i = 0; i < grid.directions; ++i) {
       const double angle = -kLowest_rad + kAround_rad * (i + 0.5) / grid.directions;
       const cv::Point2d p = wall.Project(z, {std::cos(angle), -std::sin(angle)});
       if (!(p.x >= kMargin_px && p.y >= kMargin_px && p.x < smooth.cols - kMargin_px - 1 &&
             p.y < smooth.rows - kMargin_px - 1))
         continue;
-      Point& point = points.all.emplace_back();
-      point.ray_C = {(p.x - camera_.center_x_px) / camera_.focal_px,
-                     (p.y - camera_.center_y_px) / camera_.focal_px, 1.0};
-      point.seen = Look(smooth, p);
-      point.log_lens = -2.0 * std::log(point.ray_C.squaredNorm());
-      point.cell = points.cells;
-      point.along_px = grid.step * radius_px;
-      point.around_px = kAround_rad / grid.directions * radius_px;
-      point.blur_px = std::hypot(wide ? kCoarse_px : kFine_px, kLens_px);
+      const Vector3d& ray_C =
+          points.ray_C.emplace_back((p.x - camera_.center_x_px) / camera_.focal_px,
+                                    (p.y - camera_.center_y_px) / camera_.focal_px, 1.0);
+      points.cell.push_back(static_cast<Eigen::Index>(apart.size()) * grid.directions + i);
+      seen.push_back(static_cast<float>(kRoot * std::log(Look(smooth, p))));
+      lens.push_back(static_cast<float>(std::pow(ray_C.squaredNorm(), -2.0)));
+    }
+    apart.push_back({static_cast<float>(grid.step * radius_px / blur_px),
+                     static_cast<float>(kAround_rad / grid.directions * radius_px / blur_px)});
+  }
+  const auto count = static_cast<Eigen::Index>(seen.size());
+  points.seen = Eigen::Map<ArrayXf>(seen.data(), count);
+  points.lens = Eigen::Map<ArrayXf>(lens.data(), count);
+  points.wall_P.resize(seen.size());
+  points.log_along.resize(count);
+  points.along.resize(static_cast<Eigen::Index>(apart.size()), kMixed + 1);
+  points.around = points.along;
+  for (Eigen::Index i = 0; i < points.along.rows(); ++i) {
+    for (int by = 0; by <= kMixed; ++by) {
+      points.along(i, by) = std::exp(-0.5F * std::pow(static_cast<float>(by) * apart[i][0], 2.0F));
+      points.around(i, by) = std::exp(-0.5F * std::pow(static_cast<float>(by) * apart[i][1], 2.0F));
     }
   }
-  Place(points, pose);
-  for (Point& point : points.all) {
-    const Vector3d inward = -Vector3d(point.wall_P.x(), point.wall_P.y(), 0.0) / pipe_radius_m_;
-    point.log_light = point.log_lens + LogLight(points.lamp_P, point.wall_P, inward);
-    point.expected = LogBrightnessOf(points.light.line, point.log_light);
+  ArrayXXf there = ArrayXXf::Zero(grid.directions, points.along.rows());
+  for (const Eigen::Index cell : points.cell) there(cell) = 1.0F;
+  points.all_along = there * MixAlong(there, points.along);
+  points.all_around = there * MixAround(there, points.around);
+  Stand(points, pose);
+  points.arriving = points.lens;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Vector3d& wall_P = points.wall_P[k];
+    points.arriving[k] *= static_cast<float>(
+        LightFrom(points.lamp_P, wall_P, -Vector3d(wall_P.x(), wall_P.y(), 0.0) / pipe_radius_m_));
   }
+  points.brightness = Brightness(light.line, points.arriving);
   return points;
 }
 
 double MouthFit::Rest::Misfit() const {
-  double sum = against;
-  for (const double one : off) sum += std::log1p(one * one);
-  return off.empty() ? 0.0 : sum / static_cast<double>(off.size());
+  if (off.size() == 0) return 0.0;
+  return (against + static_cast<double>((1.0F + off.square()).log().sum())) /
+         static_cast<double>(off.size());
 }
 
 MouthFit::Rest MouthFit::Compare(const Points& points, const Mouth& mouth, bool sharp) const {
@@ -248,38 +271,45 @@ MouthFit::Rest MouthFit::Compare(const Points& points, const Mouth& mouth, bool 
     return Vector3d(across.x(), across.y(), p.z());
   };
   const Vector3d from_P = rolled(points.camera_P), lamp_P = rolled(points.lamp_P);
-  std::vector<double> expected(points.all.size());
-  std::vector<Surface> surfaces(points.all.size(), Surface::kPipe);
-  for (std::size_t k = 0; k < points.all.size(); ++k) {
-    const Point& point = points.all[k];
-    expected[k] = point.expected;
-    if (point.wall_P.z() <= mouth.distance_m) continue;
-    const Vector3d wall_P = rolled(point.wall_P);
-    const ChamberModel::Hit hit = model_.Trace(from_P, wall_P, mouth.distance_m, mouth.channel);
-    surfaces[k] = hit.surface;
-    if (hit.surface == Surface::kFarPipe) continue;
-    const Vector3d at_P = from_P + hit.along * (wall_P - from_P);
-    expected[k] =
-        LogBrightnessOf(points.light.line, point.log_lens + LogLight(lamp_P, at_P, hit.normal_P));
+  const auto count = static_cast<Eigen::Index>(points.ray_C.size());
+  std::array<std::vector<Eigen::Index>, ChamberModel::kSurfaces> surfaces;
+  for (auto& surface : surfaces) surface.reserve(points.ray_C.size());
+  std::vector<Eigen::Index> beyond;
+  ArrayXf light(count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    Surface surface = Surface::kPipe;
+    if (points.wall_P[k].z() > mouth.distance_m) {
+      const Vector3d wall_P = rolled(points.wall_P[k]);
+      const ChamberModel::Hit hit = model_.Trace(from_P, wall_P, mouth.distance_m, mouth.channel);
+      surface = hit.surface;
+      if (surface != Surface::kFarPipe) {
+        const Vector3d at_P = from_P + hit.along * (wall_P - from_P);
+        light[static_cast<Eigen::Index>(beyond.size())] =
+            points.lens[k] * static_cast<float>(LightFrom(lamp_P, at_P, hit.normal_P));
+        beyond.push_back(k);
+      }
+    }
+    surfaces[static_cast<std::size_t>(surface)].push_back(k);
   }
-  if (!sharp) Blur(points, expected);
-  std::array<std::vector<Spot>, ChamberModel::kSurfaces> spots;
-  for (std::size_t k = 0; k < points.all.size(); ++k) {
-    const Vector3d& at_P = points.all[k].wall_P;
-    spots[static_cast<std::size_t>(surfaces[k])].push_back(
-        {{1.0, at_P.x() / pipe_radius_m_, std::log(std::max(1e-3, at_P.z()) / mouth.distance_m)},
-         (points.all[k].seen - expected[k]) / points.light.usual,
-         k});
-  }
-  Rest rest{std::vector<double>(points.all.size()), 0.0};
-  for (std::size_t i = 0; i < spots.size(); ++i) {
-    if (spots[i].empty()) continue;
+  const auto there = static_cast<Eigen::Index>(beyond.size());
+  ArrayXf expected = points.brightness;
+  expected(beyond) = Brightness(points.light.line, light.head(there));
+  if (!sharp) expected = Blur(points, expected.square()).sqrt();
+  const ArrayXf off = (points.seen - expected.log()) / static_cast<float>(points.light.usual);
+  Rest rest{ArrayXf(count), 0.0};
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    if (surfaces[i].empty()) continue;
+    const auto& at = surfaces[i];
+    Spots spots{ArrayXf(at.size()),
+                points.log_along(at) - std::log(static_cast<float>(mouth.distance_m)), off(at)};
+    for (std::size_t k = 0; k < at.size(); ++k)
+      spots.across[k] = static_cast<float>(points.wall_P[at[k]].x() / pipe_radius_m_);
     const Vector3d& spread = i == static_cast<std::size_t>(Surface::kPipe) ? kPipeSpread : kSpread;
-    const Vector3d prior =
-        kSayingTheSame * (spread / points.light.usual).cwiseAbs2().cwiseInverse();
-    const Vector3d plane = FitPlane(spots[i], prior);
-    rest.against += 0.5 * plane.cwiseAbs2().dot(prior);
-    for (const Spot& spot : spots[i]) rest.off[spot.point] = spot.off - plane.dot(spot.where);
+    const Eigen::Vector3f prior =
+        (kSayingTheSame * (spread / points.light.usual).cwiseAbs2().cwiseInverse()).cast<float>();
+    const Eigen::Vector3f plane = FitPlane(spots, prior);
+    rest.against += 0.5 * static_cast<double>(plane.cwiseAbs2().dot(prior));
+    rest.off(at) = spots.off - plane[0] - plane[1] * spots.across - plane[2] * spots.along;
   }
   return rest;
 }

@@ -34,45 +34,48 @@ class MouthFit {
     int directions{};
   };
 
+  /// A picture's light, smoothed for points close together, and for such as are far apart.
+  struct Picture {
+    cv::Mat fine, coarse;
+  };
+  /// @param log_brightness  as LogBrightness makes it
+  [[nodiscard]] static Picture Smooth(const cv::Mat& log_brightness);
+
   /// How bright the wall is.
   struct Light {
     Eigen::Vector2d line;  ///< log brightness: level, and slope by the logarithm of light
     double usual{};        ///< deviation from there
   };
   /// @param right_m  of the camera from the left one, whose lamps are known
-  [[nodiscard]] Light Measure(const cv::Mat& log_brightness, const WallPose& pose,
-                              double right_m) const;
+  [[nodiscard]] Light Measure(const Picture& picture, const WallPose& pose, double right_m) const;
 
-  /// A pixel, and what it would show of an endless pipe.
-  struct Point {
-    Eigen::Vector3d ray_C;
-    double seen{};                   ///< log brightness
-    double log_lens{};               ///< of the light that the lens passes
-    int cell{};                      ///< of the grid: column times directions, and direction
-    double along_px{}, around_px{};  ///< to its neighbours
-    double blur_px{};
-    Eigen::Vector3d wall_P;          ///< as in ChamberModel
-    double log_light{}, expected{};  ///< there; log brightness that follows
-  };
+  /// Pixels, and what they would show of an endless pipe. Cells of the grid: one row for each
+  /// direction, one column for each distance.
   struct Points {
     Grid grid;
     Light light;
-    double right_m{};                  ///< of the camera from the left one
-    Eigen::Vector3d camera_P, lamp_P;  ///< lamp: the middle of all
-    std::vector<Point> all;
-    int cells{};
+    double right_m{};                       ///< of the camera from the left one
+    Eigen::Vector3d camera_P, lamp_P;       ///< as in ChamberModel; lamp: the middle of all
+    std::vector<Eigen::Vector3d> ray_C;     ///< of each point
+    std::vector<Eigen::Vector3d> wall_P;    ///< there
+    std::vector<Eigen::Index> cell;         ///< column times directions, and direction
+    Eigen::ArrayXf seen;                    ///< log brightness
+    Eigen::ArrayXf lens;                    ///< share of light that the lens passes
+    Eigen::ArrayXf log_along;               ///< logarithm of the distance along the axis
+    Eigen::ArrayXf arriving, brightness;    ///< the light that comes from there; what it makes
+    Eigen::ArrayX4f along, around;          ///< of each column: shares of neighbours that it mixes
+    Eigen::ArrayXXf all_along, all_around;  ///< sum of shares, by cell; 0 where there is no point
   };
-  /// @param log_brightness  as LogBrightness makes it
-  [[nodiscard]] Points Take(const cv::Mat& log_brightness, const WallPose& pose, double right_m,
+  [[nodiscard]] Points Take(const Picture& picture, const WallPose& pose, double right_m,
                             const Light& light, const Grid& grid) const;
   /// The same pixels with a pose a little off from where it was: edges move, while what the wall
   /// shows stays, for its shades would draw the pose to where they fit better.
-  [[nodiscard]] Points Stand(Points points, const WallPose& pose) const;
+  void Stand(Points& points, const WallPose& pose) const;
 
   /// By how many usual deviations each point is brighter than expected, but for a level and slopes
   /// of each surface's own; and how likely these are.
   struct Rest {
-    std::vector<double> off;
+    Eigen::ArrayXf off;
     double against{};  ///< half a sum of squares
     /// Mean over all points of how much less likely they are than if they were as expected.
     [[nodiscard]] double Misfit() const;
@@ -81,8 +84,6 @@ class MouthFit {
   [[nodiscard]] Rest Compare(const Points& points, const Mouth& mouth, bool sharp) const;
 
  private:
-  void Place(Points& points, const WallPose& pose) const;
-
   robot::Camera camera_;
   Eigen::Vector3d p_CLamp_;
   double pipe_radius_m_, shaft_diameter_m_;

@@ -37,23 +37,23 @@ constexpr double kDeviation = 0.012;                    ///< of a distance found
 class Refiner {
  public:
   Refiner(const MouthFit& fit, const std::vector<MouthSight>& sights,
-          const std::vector<MouthFit::Light>& lights, double distance_m, Channel channel,
-          double shaft_m)
+          const std::vector<MouthFit::Picture>& pictures,
+          const std::vector<MouthFit::Light>& lights, double distance_m, Channel channel)
       : fit_(fit), sights_(sights), channel_(channel) {
     for (std::size_t k = 0; k < sights.size(); ++k) {
       const double there_m = distance_m + sights[k].ahead_m;
-      points_.push_back(fit.Take(
-          sights[k].log_brightness, sights[k].pose, sights[k].right_m, lights[k],
-          {std::max(0.15, 0.65 * there_m), 1.2 * (there_m + shaft_m), kFineStep, kFineDirections}));
+      points_.push_back(
+          fit.Take(pictures[k], sights[k].pose, sights[k].right_m, lights[k],
+                   {std::max(0.15, 0.65 * there_m), 1.2 * (there_m + fit.shaft_diameter_m()),
+                    kFineStep, kFineDirections}));
     }
-    leaning_ = points_;
   }
 
   [[nodiscard]] double Misfit(const Vector& x) {
     if (x.tail<4>() != pose_) Stand(x.tail<4>());
     double sum = 0.0;
     for (std::size_t k = 0; k < sights_.size(); ++k)
-      sum += fit_.Compare(leaning_[k], {std::exp(x[0]) + sights_[k].ahead_m, channel_, x[1]}, false)
+      sum += fit_.Compare(points_[k], {std::exp(x[0]) + sights_[k].ahead_m, channel_, x[1]}, false)
                  .Misfit();
     return sum / static_cast<double>(sights_.size()) +
            kPoseMisfit * (std::pow(x[1] / kUsualRoll_rad, 2.0) +
@@ -109,7 +109,7 @@ class Refiner {
       WallPose pose = sights_[k].pose;
       pose.lean += by.head<2>();
       pose.off_m += by.tail<2>() - kPivot_m * by.head<2>();
-      leaning_[k] = fit_.Stand(points_[k], pose);
+      fit_.Stand(points_[k], pose);
     }
   }
 
@@ -117,18 +117,20 @@ class Refiner {
   const std::vector<MouthSight>& sights_;
   Channel channel_;
   Eigen::Vector4d pose_{Eigen::Vector4d::Zero()};  ///< lean and off, from where the pose has it
-  std::vector<MouthFit::Points> points_, leaning_;
+  std::vector<MouthFit::Points> points_;
 };
 
 }  // namespace
 
 RangedLandmark FindMouth(const MouthFit& fit, const std::vector<MouthSight>& sights, double near_m,
                          double far_m) {
+  std::vector<MouthFit::Picture> pictures;
   std::vector<MouthFit::Light> lights;
   std::vector<MouthFit::Points> coarse;
   for (const MouthSight& sight : sights) {
-    lights.push_back(fit.Measure(sight.log_brightness, sight.pose, sight.right_m));
-    coarse.push_back(fit.Take(sight.log_brightness, sight.pose, sight.right_m, lights.back(),
+    pictures.push_back(MouthFit::Smooth(sight.log_brightness));
+    lights.push_back(fit.Measure(pictures.back(), sight.pose, sight.right_m));
+    coarse.push_back(fit.Take(pictures.back(), sight.pose, sight.right_m, lights.back(),
                               {kLookNear_m, kLookFar_m, kCoarseStep, kCoarseDirections}));
   }
   std::vector<TriedDistance> tried;
@@ -157,8 +159,7 @@ RangedLandmark FindMouth(const MouthFit& fit, const std::vector<MouthSight>& sig
     best = i;
     most = tried[i].log_odds;
   }
-  Refiner refiner(fit, sights, lights, tried[best].distance_m, channels[best],
-                  fit.shaft_diameter_m());
+  Refiner refiner(fit, sights, pictures, lights, tried[best].distance_m, channels[best]);
   // In rounds, as distance and pose go together: with a better pose, other distances are better.
   Vector x = std::log(tried[best].distance_m) * Vector::Unit(0);
   Vector reach = kReach;

@@ -57,7 +57,7 @@ TEST(MouthSearch, DoubtsAMouthThatIsNotThere) { EXPECT_GT(Find({}).deviation_m, 
 TEST(MouthSearch, KnowsWhereTheLampsAreBeforeTheRightCamera) {
   PipeView view;
   view.mouth_m = 0.9;
-  const cv::Mat picture = Rooted(view);
+  const MouthFit::Picture picture = MouthFit::Smooth(Rooted(view));
   const Eigen::Vector3d lamp(0.05, -0.08, 0.0);
   const MouthFit pair(FrontCamera(), {lamp}, view.radius_m, kShaft_m);
   const MouthFit alone(FrontCamera(), {lamp - 0.06 * Eigen::Vector3d::UnitX()}, view.radius_m,
