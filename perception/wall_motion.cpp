@@ -11,89 +11,78 @@
 namespace kantaro::perception {
 namespace {
 
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
 constexpr int kParameters = 6;  // off x, off y, lean x, lean y, travel scale, turned
 using Vector = Eigen::Matrix<double, kParameters, 1>;
 using Matrix = Eigen::Matrix<double, kParameters, kParameters>;
 
 /// Of the pose where it starts, odometry's 1 % and the stereo calibration.
 const Vector kPrior = (Vector() << 0.008, 0.008, 0.025, 0.025, 0.012, 0.6).finished();
-const Vector kSmall = (Vector() << 2e-4, 2e-4, 5e-4, 5e-4, 1e-3, 0.1).finished();
-constexpr double kCorrelated = 3.0;  ///< samples that say the same
-constexpr double kOutlier = 6.0;     ///< deviations
-constexpr double kStride = 1.6;      ///< gradients are too steep between blurred pictures
+constexpr double kSmallStep = 0.02;    ///< of those deviations
+constexpr double kCorrelated = 100.0;  ///< samples that say the same, or are wrong alike
+constexpr double kOutlier = 6.0;       ///< deviations
+constexpr double kLeastNoise = 0.01;   ///< of a texture's scatter
 constexpr std::size_t kFewest = 100;
-constexpr int kDirectionsTried = 96;
 constexpr double kLowest = 0.75;  ///< of the wall below the axis, in radii: water lies under it
 constexpr double kFarthest_m = 1.1, kNearest_m = 0.22;
-constexpr double kColumn_px = 4.0;
-constexpr int kMargin_px = 12;
+constexpr int kMargin_px = 2;
+constexpr float kFlat = 1e-5F;  ///< variance of log brightness where there is no texture
 
+/// From smooth to sharp. At first neighbours only are compared: what lies farther apart has moved
+/// by more than the texture is wide.
 struct Level {
-  double smooth_px;
+  int shrink;         ///< pixels of a picture, to either side, in one of the texture's
+  double smooth_px;   ///< of the texture's
+  double between_px;  ///< rings of points, in the picture
+  int directions;
   int passes;
+  bool neighbours;
 };
-constexpr std::array<Level, 2> kLevels{{{5.0, 10}, {2.0, 8}}};
+constexpr std::array<Level, 3> kLevels{
+    {{4, 1.4, 8.0, 48, 12, true}, {4, 1.0, 6.0, 72, 10, false}, {2, 1.0, 4.0, 96, 10, false}}};
 
 struct WallPoint {
   double distance_m;
-  Eigen::Vector2d direction;
+  Vector2d direction;
 };
 
-std::vector<WallPoint> PointsOnWall(double ring_px_m) {
+std::vector<WallPoint> PointsOnWall(double ring_px_m, const Level& level) {
   std::vector<WallPoint> points;
-  for (double r = ring_px_m / kFarthest_m; r < ring_px_m / kNearest_m; r += kColumn_px) {
-    for (int i = 0; i < kDirectionsTried; ++i) {
-      const double a = 2.0 * std::numbers::pi * i / kDirectionsTried;
+  for (double r = ring_px_m / kFarthest_m; r < ring_px_m / kNearest_m; r += level.between_px) {
+    for (int i = 0; i < level.directions; ++i) {
+      const double a = 2.0 * std::numbers::pi * i / level.directions;
       if (std::sin(a) < kLowest) points.push_back({ring_px_m / r, {std::cos(a), std::sin(a)}});
     }
   }
   return points;
 }
 
-/// Texture without the fall of light: less a mean over the neighbourhood, of such weights that a
-/// quadratic leaves nothing. The light stays with the robot; what is left of it would too.
-cv::Mat Texture(const cv::Mat& log_brightness, double smooth_px) {
-  const auto box = [&](double width_px) {
-    const int odd = 2 * static_cast<int>(width_px / 2.0) + 1;
-    cv::Mat mean;
-    cv::blur(log_brightness, mean, {odd, odd});
-    return std::pair(mean, (odd * odd - 1) / 12.0);
+/// Texture without the fall of light, in deviations: less a mean over the neighbourhood, of such
+/// weights that a quadratic leaves nothing. The light stays with the robot; what is left of it
+/// would too. So would a manhole's edges, far stronger than any texture, if contrast counted as it
+/// is.
+cv::Mat Texture(const cv::Mat& log_brightness, const Level& level) {
+  cv::Mat small, texture;
+  cv::resize(log_brightness, small, log_brightness.size() / level.shrink, 0, 0, cv::INTER_AREA);
+  cv::GaussianBlur(small, texture, {}, level.smooth_px);
+  const auto odd = [&](double sizes) {
+    return 2 * static_cast<int>(sizes * level.smooth_px / 2.0) + 1;
   };
-  cv::Mat fine;
-  cv::GaussianBlur(log_brightness, fine, {}, smooth_px);
-  const auto [near, near_spread] = box(12.0 * smooth_px);
-  const auto [far, far_spread] = box(17.0 * smooth_px);
-  const double far_weight = (smooth_px * smooth_px - near_spread) / (far_spread - near_spread);
-  return fine - (1.0 - far_weight) * near - far_weight * far;
-}
-
-/// Where each sight shows a point of the wall, for one set of parameters.
-class Projector {
- public:
-  Projector(const robot::Camera& camera, double radius_m, const std::vector<WallSight>& sights,
-            const Vector& x) {
-    const WallPose pose{{x[0], x[1]}, {x[2], x[3]}};
-    for (const WallSight& sight : sights) {
-      walls_.emplace_back(camera, radius_m, SeenFrom(pose, sight.right_m));
-      ahead_m_.push_back(x[4] * (sights.back().travel_m - sight.travel_m) -
-                         sight.right_m * x[2] / std::hypot(1.0, x[2], x[3]));
-      shift_px_.push_back(sight.right_m == 0.0 ? 0.0 : x[5]);
-    }
-  }
-  [[nodiscard]] cv::Point2d At(std::size_t sight, const WallPoint& point) const {
-    const cv::Point2d p =
-        walls_[sight].Project(point.distance_m + ahead_m_[sight], point.direction);
-    return {p.x + shift_px_[sight], p.y};
-  }
-
- private:
-  std::vector<PipeWall> walls_;
-  std::vector<double> ahead_m_, shift_px_;
-};
-
-bool Inside(const cv::Mat& picture, const cv::Point2d& p) {
-  return p.x >= kMargin_px && p.y >= kMargin_px && p.x < picture.cols - kMargin_px &&
-         p.y < picture.rows - kMargin_px;
+  const auto mean = [](const cv::Mat& of, int width_px) {
+    cv::Mat result;
+    cv::blur(of, result, {width_px, width_px});
+    return result;
+  };
+  const auto spread = [](int width_px) { return (width_px * width_px - 1) / 12.0; };
+  const int near = odd(12.0), far = odd(17.0);
+  const double far_weight =
+      (level.smooth_px * level.smooth_px - spread(near)) / (spread(far) - spread(near));
+  texture -= (1.0 - far_weight) * mean(small, near) + far_weight * mean(small, far);
+  cv::Mat scatter;
+  cv::sqrt(mean(texture.mul(texture), near) + kFlat, scatter);
+  return texture / scatter;
 }
 
 /// Value and gradient between pixels.
@@ -109,75 +98,272 @@ Taken Take(const cv::Mat& picture, const cv::Point2d& p) {
   return {top + fy * (bottom - top), (b - a) * (1.0 - fy) + (d - c) * fy, bottom - top};
 }
 
-double Median(std::vector<double> values) {
+bool Inside(const cv::Mat& picture, const cv::Point2d& p) {
+  return p.x >= kMargin_px && p.y >= kMargin_px && p.x < picture.cols - kMargin_px - 1 &&
+         p.y < picture.rows - kMargin_px - 1;
+}
+
+double Median(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  if (values.size() % 2 == 1) return *middle;
+  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
 }
 
-/// By how much brightness differs between the last sight and each other one, and how that changes
-/// with the parameters.
-struct Differences {
-  std::vector<double> values;
-  std::vector<Vector> slopes;
+/// A point of the wall in one sight.
+struct Speck {
+  bool seen{};
+  double value{};
+  double along{}, around{};  ///< its slopes on the wall, per metre
+  Vector3d p_C{Vector3d::Zero()};
 };
 
-Differences Compare(const robot::Camera& camera, double radius_m,
-                    const std::vector<WallSight>& sights, const std::vector<cv::Mat>& textures,
-                    const std::vector<WallPoint>& points, const Vector& x) {
-  const Projector here(camera, radius_m, sights, x);
-  std::vector<Projector> moved;
-  for (int i = 0; i < kParameters; ++i) {
-    Vector other = x;
-    other[i] += kSmall[i];
-    moved.emplace_back(camera, radius_m, sights, other);
+/// Where a sight was taken, for one set of parameters.
+struct Stand {
+  PipeWall wall;
+  double ahead_m;   ///< how much farther from it the wall is than from the last
+  double travel_m;  ///< the same by odometry
+  bool right;
+};
+
+/// Compares one level of all sights.
+class Comparison {
+ public:
+  Comparison(const robot::Camera& camera, double radius_m, const std::vector<WallSight>& sights,
+             const Level& level)
+      : camera_(camera),
+        radius_m_(radius_m),
+        sights_(sights),
+        shrink_(level.shrink),
+        points_(PointsOnWall(camera.focal_px * radius_m, level)),
+        groups_(Groups(level.neighbours)) {
+    for (const WallSight& sight : sights) textures_.push_back(Texture(sight.log_brightness, level));
   }
-  const auto slope = [&](std::size_t sight, const WallPoint& point, const cv::Point2d& at,
-                         const Taken& taken) {
-    Vector by;
-    for (int i = 0; i < kParameters; ++i) {
-      const cv::Point2d d = moved[i].At(sight, point) - at;
-      by[i] = (taken.dx * d.x + taken.dy * d.y) / kSmall[i];
-    }
-    return by;
+
+  /// All points in all sights, those of a point after each other.
+  [[nodiscard]] std::vector<Speck> Look(const Vector& x) const;
+
+  struct Equations {
+    std::size_t samples{};
+    double noise{};
+    Matrix normal{Matrix::Zero()};
+    Vector right{Vector::Zero()};
   };
-  Differences differences;
-  const std::size_t last = sights.size() - 1;
-  for (const WallPoint& point : points) {
-    const cv::Point2d at_last = here.At(last, point);
-    if (!Inside(textures[last], at_last)) continue;
-    const Taken seen_last = Take(textures[last], at_last);
-    const Vector slope_last = slope(last, point, at_last, seen_last);
-    for (std::size_t k = 0; k < last; ++k) {
-      const cv::Point2d at = here.At(k, point);
-      if (!Inside(textures[k], at)) continue;
-      const Taken seen = Take(textures[k], at);
-      differences.values.push_back(seen.value - seen_last.value);
-      differences.slopes.push_back(slope(k, point, at, seen) - slope_last);
+  /// Linearised, what differs much weighed down. A speck's slope is the mean of what its sights
+  /// show: noise in each one's would pass for texture, and steps would be too short.
+  [[nodiscard]] Equations Linearise(const Vector& x, const std::vector<Speck>& specks) const;
+
+  /// By how much specks differ, of the size of as many samples, per squared deviation.
+  [[nodiscard]] double Misfit(const std::vector<Speck>& specks, const Equations& at) const;
+
+ private:
+  using Group = std::vector<std::size_t>;  ///< sights that are compared with their mean
+
+  [[nodiscard]] std::vector<Group> Groups(bool neighbours) const;
+  [[nodiscard]] std::vector<Stand> Stands(const Vector& x) const;
+  [[nodiscard]] Vector Slope(const Stand& stand, const WallPoint& point, const Vector3d& p_C,
+                             double along, double around) const;
+  [[nodiscard]] double Noise(const std::vector<Speck>& specks, std::size_t* samples) const;
+
+  /// Calls use(point, specks that are seen as pairs of sight and weight, their mean).
+  template <typename Use>
+  void ForEachGroup(const std::vector<Speck>& specks, double noise, const Use& use) const {
+    std::vector<double> values;
+    std::vector<std::pair<std::size_t, double>> weights;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const Speck* of_point = &specks[i * sights_.size()];
+      for (const Group& group : groups_) {
+        values.clear();
+        for (const std::size_t k : group)
+          if (of_point[k].seen) values.push_back(of_point[k].value);
+        if (values.size() < 2) continue;
+        const double middle = Median(values);
+        weights.clear();
+        double sum = 0.0, mean = 0.0;
+        for (const std::size_t k : group) {
+          if (!of_point[k].seen) continue;
+          const double scaled = (of_point[k].value - middle) / (kOutlier * noise);
+          const double root = 1.0 + scaled * scaled;
+          weights.emplace_back(k, 1.0 / (root * root));
+          sum += weights.back().second;
+          mean += weights.back().second * of_point[k].value;
+        }
+        use(i, of_point, weights, mean / sum);
+      }
     }
   }
-  return differences;
+
+  const robot::Camera& camera_;
+  double radius_m_;
+  const std::vector<WallSight>& sights_;
+  double shrink_;
+  std::vector<WallPoint> points_;
+  std::vector<Group> groups_;
+  std::vector<cv::Mat> textures_;
+};
+
+/// Either all, or one by one with the next of the same camera and the other camera's.
+std::vector<Comparison::Group> Comparison::Groups(bool neighbours) const {
+  std::vector<Group> groups(neighbours ? 0 : 1);
+  for (std::size_t i = 0; i < sights_.size(); ++i) {
+    if (!neighbours) groups[0].push_back(i);
+    bool next_found = false;
+    for (std::size_t j = i + 1; neighbours && j < sights_.size(); ++j) {
+      const bool same_camera = sights_[i].right_m == sights_[j].right_m;
+      if (same_camera ? !next_found : sights_[i].travel_m == sights_[j].travel_m)
+        groups.push_back({i, j});
+      next_found = next_found || same_camera;
+    }
+  }
+  return groups;
 }
 
-/// One step of Gauss and Newton; what differs more than others do weighs less.
-Vector Step(const Differences& differences, const Vector& from_start) {
+std::vector<Stand> Comparison::Stands(const Vector& x) const {
+  std::vector<Stand> stands;
+  for (const WallSight& sight : sights_) {
+    const PipeWall wall(camera_, radius_m_,
+                        SeenFrom({x.head<2>(), x.segment<2>(2)}, sight.right_m));
+    const double travel_m = sights_.back().travel_m - sight.travel_m;
+    stands.push_back(
+        {wall, x[4] * travel_m - sight.right_m * wall.Along().x(), travel_m, sight.right_m != 0.0});
+  }
+  return stands;
+}
+
+std::vector<Speck> Comparison::Look(const Vector& x) const {
+  std::vector<Speck> specks(points_.size() * sights_.size());
+  const std::vector<Stand> stands = Stands(x);
+  for (std::size_t k = 0; k < stands.size(); ++k) {
+    const auto& [wall, ahead_m, travel_m, right] = stands[k];
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const WallPoint& point = points_[i];
+      const Vector3d p_C = wall.PointAt(point.distance_m + ahead_m, point.direction);
+      const double px_m = camera_.focal_px / p_C.z();
+      const double shift_px = 0.5 + (right ? x[5] : 0.0);
+      const cv::Point2d at((camera_.center_x_px + px_m * p_C.x() + shift_px) / shrink_ - 0.5,
+                           (camera_.center_y_px + px_m * p_C.y() + 0.5) / shrink_ - 0.5);
+      if (!Inside(textures_[k], at)) continue;
+      const Taken taken = Take(textures_[k], at);
+      const Vector3d slope_C =
+          px_m / shrink_ *
+          Vector3d(taken.dx, taken.dy, -(taken.dx * p_C.x() + taken.dy * p_C.y()) / p_C.z());
+      specks[i * sights_.size() + k] = {
+          true, taken.value, slope_C.dot(wall.Along()),
+          slope_C.dot(wall.Along().cross(wall.Outward(point.direction))), p_C};
+    }
+  }
+  return specks;
+}
+
+/// How a speck's brightness in its sight changes with the parameters, but for what is the same in
+/// all sights: a shift of the whole wall along the axis.
+Vector Comparison::Slope(const Stand& stand, const WallPoint& point, const Vector3d& p_C,
+                         double along, double around) const {
+  const Vector3d axis = stand.wall.Along(), out = stand.wall.Outward(point.direction);
+  const Vector3d side = axis.cross(out);
+  // Nothing changes along the ray.
+  const double outwards = -(along * p_C.dot(axis) + around * p_C.dot(side)) / p_C.dot(out);
+  const Vector3d across = around * side + outwards * out, from_axis = radius_m_ * out;
+  Vector slope;
+  slope << across.head<2>(),
+      (p_C.z() - from_axis.z()) * across.head<2>() - along * axis.z() * from_axis.head<2>(),
+      stand.travel_m * along,
+      stand.right ? (along * axis.x() + across.x()) * p_C.z() / camera_.focal_px : 0.0;
+  return slope;
+}
+
+double Comparison::Noise(const std::vector<Speck>& specks, std::size_t* samples) const {
   std::vector<double> sizes;
-  for (const double value : differences.values) sizes.push_back(std::abs(value));
-  const double noise = std::max(1e-4, 1.4826 * Median(sizes));
-  Matrix normal = Matrix::Zero();
-  Vector right = Vector::Zero();
-  for (std::size_t i = 0; i < differences.values.size(); ++i) {
-    const double scaled = differences.values[i] / (kOutlier * noise);
-    const double weight = std::pow(1.0 + scaled * scaled, -2.0) / (noise * noise * kCorrelated);
-    const Vector& slope = differences.slopes[i];
-    normal += weight * slope * slope.transpose();
-    right -= weight * differences.values[i] * slope;
+  ForEachGroup(specks, HUGE_VAL,
+               [&](std::size_t, const Speck* seen, const auto& weights, double mean) {
+                 for (const auto& [k, weight] : weights)
+                   sizes.push_back(std::abs(seen[k].value - mean));
+               });
+  *samples = sizes.size();
+  return sizes.empty() ? kLeastNoise : std::max(kLeastNoise, 1.4826 * Median(sizes));
+}
+
+Comparison::Equations Comparison::Linearise(const Vector& x,
+                                            const std::vector<Speck>& specks) const {
+  Equations equations;
+  equations.noise = Noise(specks, &equations.samples);
+  const std::vector<Stand> stands = Stands(x);
+  std::vector<Vector> slopes;
+  ForEachGroup(specks, equations.noise,
+               [&](std::size_t i, const Speck* seen, const auto& weights, double mean) {
+                 double along = 0.0, around = 0.0;
+                 for (const auto& [k, weight] : weights) {
+                   along += seen[k].along / static_cast<double>(weights.size());
+                   around += seen[k].around / static_cast<double>(weights.size());
+                 }
+                 slopes.clear();
+                 Vector mean_slope = Vector::Zero();
+                 double sum = 0.0;
+                 for (const auto& [k, weight] : weights) {
+                   slopes.push_back(Slope(stands[k], points_[i], seen[k].p_C, along, around));
+                   mean_slope += weight * slopes.back();
+                   sum += weight;
+                 }
+                 mean_slope /= sum;
+                 for (std::size_t n = 0; n < weights.size(); ++n) {
+                   const auto& [k, weight] = weights[n];
+                   const Vector slope = slopes[n] - mean_slope;
+                   equations.normal += weight * slope * slope.transpose();
+                   equations.right -= weight * (seen[k].value - mean) * slope;
+                 }
+               });
+  const double scale = 1.0 / (equations.noise * equations.noise * kCorrelated);
+  equations.normal *= scale;
+  equations.right *= scale;
+  return equations;
+}
+
+double Comparison::Misfit(const std::vector<Speck>& specks, const Equations& at) const {
+  double sum = 0.0;
+  std::size_t samples = 0;
+  ForEachGroup(specks, at.noise,
+               [&](std::size_t, const Speck* seen, const auto& weights, double mean) {
+                 for (const auto& [k, weight] : weights) {
+                   const double scaled = (seen[k].value - mean) / (kOutlier * at.noise);
+                   sum += scaled * scaled / (1.0 + scaled * scaled);
+                 }
+                 samples += weights.size();
+               });
+  if (samples < kFewest) return HUGE_VAL;
+  const double count = static_cast<double>(at.samples) / static_cast<double>(samples);
+  return kOutlier * kOutlier * count * sum / kCorrelated;
+}
+
+/// Levenberg and Marquardt: a step is taken if specks then differ less. Returns whether there was
+/// enough to compare.
+bool Align(const Comparison& comparison, int passes, const Vector& first, Vector* x) {
+  const auto from_start = [&](const Vector& at) -> Vector {
+    return (at - first).cwiseQuotient(kPrior);
+  };
+  std::vector<Speck> specks = comparison.Look(*x);
+  double damping = 0.0;
+  for (int pass = 0; pass < passes; ++pass) {
+    Comparison::Equations equations = comparison.Linearise(*x, specks);
+    if (equations.samples < kFewest) return false;
+    equations.normal.diagonal() += kPrior.cwiseAbs2().cwiseInverse();
+    equations.right -= from_start(*x).cwiseQuotient(kPrior);
+    Matrix damped = equations.normal;
+    damped.diagonal() *= 1.0 + damping;
+    const Vector step = damped.ldlt().solve(equations.right);
+    const Vector tried = *x + step;
+    std::vector<Speck> then = comparison.Look(tried);
+    const auto cost = [&](const std::vector<Speck>& seen, const Vector& at) {
+      return comparison.Misfit(seen, equations) + from_start(at).squaredNorm();
+    };
+    const bool better = cost(then, tried) < cost(specks, *x);
+    if (better) {
+      *x = tried;
+      specks = std::move(then);
+    }
+    if (step.cwiseQuotient(kPrior).cwiseAbs().maxCoeff() < kSmallStep) break;
+    damping = !better ? std::max(0.1, 5.0 * damping) : damping < 0.1 ? 0.0 : damping / 5.0;
   }
-  for (int i = 0; i < kParameters; ++i) {
-    normal(i, i) += 1.0 / (kPrior[i] * kPrior[i]);
-    right[i] -= from_start[i] / (kPrior[i] * kPrior[i]);
-  }
-  return kStride * normal.ldlt().solve(right);
+  return true;
 }
 
 }  // namespace
@@ -188,20 +374,14 @@ WallPose SeenFrom(const WallPose& pose, double right_m) {
 
 WallMotion FollowWall(const robot::Camera& camera, double pipe_radius_m,
                       const std::vector<WallSight>& sights, const WallPose& start) {
-  if (sights.size() < 2) return {start, 1.0, 0.0};
-  const std::vector<WallPoint> points = PointsOnWall(camera.focal_px * pipe_radius_m);
+  const WallMotion unmoved{start, 1.0, 0.0};
+  if (sights.size() < 2) return unmoved;
   Vector first;
   first << start.off_m, start.lean, 1.0, 0.0;
   Vector x = first;
   for (const Level& level : kLevels) {
-    std::vector<cv::Mat> textures;
-    for (const WallSight& sight : sights)
-      textures.push_back(Texture(sight.log_brightness, level.smooth_px));
-    for (int pass = 0; pass < level.passes; ++pass) {
-      const Differences differences = Compare(camera, pipe_radius_m, sights, textures, points, x);
-      if (differences.values.size() < kFewest) return {start, 1.0, 0.0};
-      x += Step(differences, x - first);
-    }
+    const Comparison comparison(camera, pipe_radius_m, sights, level);
+    if (!Align(comparison, level.passes, first, &x)) return unmoved;
   }
   return {{{x[0], x[1]}, {x[2], x[3]}}, x[4], x[5]};
 }

@@ -93,7 +93,7 @@ cv::Point2d PipeWall::Project(double distance_m, const Vector2d& direction) cons
 Vector3d PipeWall::PointAt(double distance_m, const Vector2d& direction) const {
   // Distances count along the axis from the foot of the camera's perpendicular on it.
   const Vector3d foot = off_ - off_.dot(along_) * along_;
-  return foot + distance_m * along_ + radius_m_ * (direction.x() * right_ + direction.y() * down_);
+  return foot + distance_m * along_ + radius_m_ * Outward(direction);
 }
 
 Vector3d PipeWall::PointAt(const cv::Point2d& pixel) const {

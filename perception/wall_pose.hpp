@@ -27,6 +27,11 @@ class PipeWall {
   [[nodiscard]] Eigen::Vector3d PointAt(double distance_m, const Eigen::Vector2d& direction) const;
   /// The wall's point that a pixel sees, in the camera's frame; far away along the axis itself.
   [[nodiscard]] Eigen::Vector3d PointAt(const cv::Point2d& pixel) const;
+  /// Unit vectors in the camera's frame: of the axis, and from it in a direction (right, down).
+  [[nodiscard]] const Eigen::Vector3d& Along() const { return along_; }
+  [[nodiscard]] Eigen::Vector3d Outward(const Eigen::Vector2d& direction) const {
+    return direction.x() * right_ + direction.y() * down_;
+  }
   /// Unit vector from a point of the wall to the axis.
   [[nodiscard]] Eigen::Vector3d Inward(const Eigen::Vector3d& point_C) const;
 

@@ -54,6 +54,55 @@ TEST(WallMotion, FindsByHowMuchTheRightCameraIsTurned) {
   EXPECT_NEAR(motion.pose.off_m.x(), 0.0, 0.002);
 }
 
+// The noise of a dimmed lamp: a step must not be short because noise's slopes pass for texture's.
+// The start is as far off as the fall of light of a stained wall puts it: 24 mm at 0.7 m.
+TEST(WallMotion, FindsThePoseFromFarInNoisyPictures) {
+  PipeView view;
+  view.camera_right_m = 0.008;
+  view.yaw_rad = 0.03;
+  view.texture = 0.15;
+  view.noise = 5.0;
+  std::vector<WallSight> sights;
+  for (const double ahead_m : {0.0, 0.08, 0.16, 0.24, 0.32}) {
+    view.camera_ahead_m = ahead_m;
+    sights.push_back({LogOf(view), ahead_m, 0.0});
+  }
+  const WallPose start{{-0.011, 0.003}, {-0.060, 0.030}};
+  const WallPose pose = FollowWall(FrontCamera(), view.radius_m, sights, start).pose;
+  for (const double ahead_m : {0.0, 0.7}) {
+    const Eigen::Vector2d axis_m = pose.off_m + ahead_m * pose.lean;
+    EXPECT_NEAR(axis_m.x(), -0.008 - 0.03 * ahead_m, 0.003) << ahead_m;
+    EXPECT_NEAR(axis_m.y(), 0.0, 0.003) << ahead_m;
+  }
+}
+
+// Far and bright, the manhole beyond the mouth hardly moves; its edges are the strongest in the
+// picture.
+TEST(WallMotion, IsNotHeldByAManholesEdges) {
+  constexpr double kBaseline_m = 0.060;
+  PipeView view;
+  view.radius_m = 0.100;
+  view.camera_down_m = -0.010;
+  view.texture = 0.15;
+  view.mouth_m = 0.9;
+  std::vector<WallSight> sights;
+  for (const double ahead_m : {0.0, 0.1, 0.2}) {
+    view.camera_ahead_m = ahead_m;
+    PipeView right = view;
+    right.camera_right_m = kBaseline_m;
+    sights.push_back({LogOf(right), ahead_m, kBaseline_m});
+    sights.push_back({LogOf(view), ahead_m, 0.0});
+  }
+  const WallPose start{{0.008, 0.002}, {-0.03, 0.02}};
+  const WallMotion motion = FollowWall(FrontCamera(), view.radius_m, sights, start);
+  for (const double ahead_m : {0.0, 0.7}) {
+    const Eigen::Vector2d axis_m = motion.pose.off_m + ahead_m * motion.pose.lean;
+    EXPECT_NEAR(axis_m.x(), 0.0, 0.003) << ahead_m;
+    EXPECT_NEAR(axis_m.y(), 0.010, 0.003) << ahead_m;
+  }
+  EXPECT_NEAR(motion.turned_px, 0.0, 0.3);
+}
+
 TEST(WallMotion, StaysWhereItIsWithoutASecondPicture) {
   const WallPose start{{0.01, 0.0}, {0.0, 0.02}};
   const WallMotion motion =
