@@ -69,5 +69,20 @@ TEST(MouthSearch, KnowsWhereTheLampsAreBeforeTheRightCamera) {
   EXPECT_GT(std::abs(right.line.y() - pair.Measure(picture, {}, 0.0).line.y()), 1e-3);
 }
 
+// Points are moved from pose to pose in place.
+TEST(MouthFit, ForgetsAPoseThatWasTried) {
+  PipeView view;
+  view.mouth_m = 0.9;
+  const MouthFit::Picture picture = MouthFit::Smooth(Rooted(view));
+  const MouthFit fit(FrontCamera(), {Eigen::Vector3d::Zero()}, view.radius_m, kShaft_m);
+  const MouthFit::Mouth mouth{0.9, ChamberModel::Channel::kStraight, 0.0};
+  auto points = fit.Take(picture, {}, 0.0, fit.Measure(picture, {}, 0.0), {0.5, 2.0, 0.03, 32});
+  const double misfit = fit.Compare(points, mouth, false).Misfit();
+  fit.Stand(points, {{0.01, 0.0}, {0.0, 0.02}});
+  EXPECT_GT(fit.Compare(points, mouth, false).Misfit(), misfit);
+  fit.Stand(points, {});
+  EXPECT_EQ(fit.Compare(points, mouth, false).Misfit(), misfit);
+}
+
 }  // namespace
 }  // namespace kantaro::perception
