@@ -27,14 +27,15 @@ constexpr double kUnlikely = 4.5;  ///< deviations
 /// A plain ring [log odds above the median's], and how far behind it a landmark is another one.
 constexpr double kPlain = 11.0, kBehind_m = 0.25;
 
-constexpr double kRadiusError_px = 0.5;
+/// How much the line found may differ from the joint's edge, and that from the landmark.
+constexpr double kRadiusError_px = 0.35, kGapError_m = 0.0025;
 
 /// What each sign says [log odds]: logistic regression among all columns of training views
 /// (docs/localisation.md). Contrasts and line widths count by their logarithms.
-constexpr double kWallWeight = 0.223, kFirstOfWallWeight = 0.238;
-constexpr double kInvertWeight = 0.133, kFirstOfInvertWeight = 0.450, kCenterWeight = 0.159;
-constexpr double kBrightWeight = 1.292, kDarkWeight = 1.507;
-constexpr double kSizeWeight = 1.884, kWidthWeight = 2.642, kSizeByWidthWeight = 1.071;
+constexpr double kWallWeight = 0.180, kFirstOfWallWeight = 0.388;
+constexpr double kInvertWeight = 0.255, kFirstOfInvertWeight = 0.475, kCenterWeight = 0.202;
+constexpr double kBrightWeight = 0.434, kDarkWeight = 0.494;
+constexpr double kSizeWeight = 6.024, kWidthWeight = -1.724, kSizeByWidthWeight = 0.115;
 
 /// Rows of sectors by column of the last picture's radii.
 using Rows = cv::Mat;
@@ -79,7 +80,8 @@ std::vector<double> LineWidths(const RingScan::Scanned& last) {
   return widths;
 }
 
-/// A line's brightness over that of the wall on both sides of it.
+/// A line's brightness over that of the wall on both sides of it: of the two pixels right beside
+/// it, or the dark band behind a manhole's joint would hide that the joint is dark as well.
 Rows LineContrasts(const Rows& means, const std::vector<double>& widths) {
   Rows contrasts(means.size(), CV_32F, cv::Scalar(kUnknown));
   std::vector<double> sums(static_cast<std::size_t>(means.cols) + 1);
@@ -96,13 +98,12 @@ Rows LineContrasts(const Rows& means, const std::vector<double>& widths) {
     };
     for (int k = 0; k < means.cols; ++k) {
       const int half = std::clamp(static_cast<int>(std::lround(widths[k] / 2.0 - 0.5)), 0, 8);
-      const int inner = half + 3, outer = half + 5;
+      const int outer = half + 2;
       if (k < outer || k + outer >= means.cols ||
           seen[k + outer + 1] - seen[k - outer] < 2 * outer + 1)
         continue;
-      const double line = 0.25 * mean(k - 1 - half, k - 1 + half) +
-                          0.50 * mean(k - half, k + half) + 0.25 * mean(k + 1 - half, k + 1 + half);
-      const double flanks = (mean(k - outer, k - inner) + mean(k + inner, k + outer)) / 2.0;
+      const double line = mean(k - half, k + half);
+      const double flanks = (mean(k - outer, k - half - 1) + mean(k + half + 1, k + outer)) / 2.0;
       contrasts.at<float>(j, k) = std::clamp(static_cast<float>(line - flanks), -0.4F, 0.4F);
     }
   }
@@ -364,7 +365,7 @@ RangedLandmark FindJoint(const std::vector<JointSight>& sights, double near_m, d
   RangedLandmark found = Likeliest(tried);
   const double radius_error_m =
       kRadiusError_px * found.distance_m * found.distance_m / last.ring_px_m;
-  found.deviation_m = std::hypot(found.deviation_m, radius_error_m);
+  found.deviation_m = std::hypot(found.deviation_m, radius_error_m, kGapError_m);
   return found;
 }
 

@@ -443,7 +443,7 @@ std::string Chapter(const Json& result) {
   std::string text = fmt::format(
       "## {}: {}\n\nSeed {}. Rates count no answer as wrong; in brackets their 95 % Wilson "
       "interval. `in stated` is the share of errors inside the 95 % interval that the method "
-      "states. Time is processor time for one picture{}.\n\n"
+      "states. Time is processor time from the last picture{} to the answer.\n\n"
       "| set | method | landmark | condition | views | in 2 cm | in 5 cm | thesis, in 5 cm | mean "
       "error | in stated | time |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
       mono ? "By a single camera" : "By the stereo pair", mono ? kMono.table : kStereo.table,
