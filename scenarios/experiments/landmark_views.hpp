@@ -107,7 +107,7 @@ struct ViewRequest {
   ViewCameras cameras{ViewCameras::kFront};
   std::vector<perception::LandmarkKind> kinds;  ///< of each view
   std::uint64_t seed{1};
-  unsigned jobs{1};                   ///< threads; changes no view
+  unsigned jobs{1};                               ///< threads; changes no view
   int pictures{perception::kPicturesOfApproach};  ///< of each approach, its last ones
 };
 
