@@ -12,11 +12,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kWidth = 320.0, kHeight = 200.0, kMargin = 36.0;
+constexpr double kWidth = 328.0, kHeight = 200.0, kMargin = 36.0, kLeft = 44.0;
 constexpr double kFarthest_m = 1.5, kMost_m = 0.2;
 
 double X(double distance_m) {
-  return kMargin + (kWidth - kMargin) * std::min(distance_m / kFarthest_m, 1.0);
+  return kLeft + (kWidth - kLeft) * std::min(distance_m / kFarthest_m, 1.0);
 }
 double Y(double error_m) {
   return kMargin + (kHeight - 2.0 * kMargin) * (1.0 - std::min(error_m / kMost_m, 1.0));
@@ -30,17 +30,17 @@ std::string Line(double error_m, const char* style, const std::string& words) {
   return fmt::format(
       "<line x1=\"{0:.1f}\" x2=\"{1:.1f}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\" {3}/>"
       "<text x=\"{4:.1f}\" y=\"{5:.1f}\" text-anchor=\"end\">{6}</text>\n",
-      X(0.0), kWidth, Y(error_m), style, kMargin - 4.0, Y(error_m) + 4.0, words);
+      X(0.0), kWidth, Y(error_m), style, kLeft - 4.0, Y(error_m) + 4.0, words);
 }
 
 std::string Axes(const std::string& title) {
-  std::string text = fmt::format("<text x=\"{:.1f}\" y=\"20\">{}</text>\n", kMargin, title);
+  std::string text = fmt::format("<text x=\"{:.1f}\" y=\"20\">{}</text>\n", kLeft, title);
   const char* const solid = "stroke=\"#888\"";
   const char* const dashed = "stroke=\"#888\" stroke-dasharray=\"4 3\"";
   text += Line(0.0, solid, "0") + Line(0.02, dashed, "2") + Line(0.05, dashed, "5") +
           Line(kMost_m, solid, "20 cm");
   for (const double distance_m : {0.5, 1.0, 1.5}) {
-    text += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"end\">{:.1f} m</text>\n",
+    text += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{:.1f} m</text>\n",
                         X(distance_m), Y(0.0) + 16.0, distance_m);
   }
   return text;
@@ -68,7 +68,7 @@ std::string PlotErrors(const Json& result) {
     text += fmt::format("<g transform=\"translate(0 {:.0f})\">\n{}{}</g>\n",
                         kHeight * static_cast<double>(i), Axes(panels[i].first), panels[i].second);
   }
-  double x = kMargin;
+  double x = kLeft;
   for (const char* landmark : {"manhole", "joint", "inlet"}) {
     text += fmt::format("<text x=\"{:.0f}\" y=\"{:.0f}\" fill=\"{}\">{}</text>\n", x,
                         kHeight * static_cast<double>(panels.size()) + 8.0, ColourOf(landmark),
