@@ -81,7 +81,8 @@ std::vector<double> LineWidths(const RingScan::Scanned& last) {
 }
 
 /// A line's brightness over that of the wall on both sides of it: of the two pixels right beside
-/// it, or the dark band behind a manhole's joint would hide that the joint is dark as well.
+/// it on either, or the dark band behind a manhole's joint would hide that the joint is dark as
+/// well.
 Rows LineContrasts(const Rows& means, const std::vector<double>& widths) {
   Rows contrasts(means.size(), CV_32F, cv::Scalar(kUnknown));
   std::vector<double> sums(static_cast<std::size_t>(means.cols) + 1);

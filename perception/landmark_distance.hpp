@@ -27,7 +27,7 @@ struct LandmarkLook {
 struct LandmarkAnswer {
   enum class Status {
     kFound,
-    kNotSeen,    ///< a good picture that shows no such landmark
+    kNotSeen,    ///< a good picture that shows no such landmark, or no picture yet
     kBlank,      ///< nothing can be seen: dark or even all over
     kSaturated,  ///< too bright to see anything
   };

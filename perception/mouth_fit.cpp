@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
-#include <utility>
 
 namespace kantaro::perception {
 namespace {
@@ -90,9 +89,8 @@ Vector2d FitLine(const MouthFit::Points& points) {
 
 /// What each cell gets of itself and of its neighbours at other distances; or round the wall.
 ArrayXXf MixAlong(const ArrayXXf& cells, const Eigen::ArrayX4f& shares) {
-  ArrayXXf mixed(cells.rows(), cells.cols());
+  ArrayXXf mixed = cells;
   for (Eigen::Index i = 0; i < cells.cols(); ++i) {
-    mixed.col(i) = cells.col(i) * shares(i, 0);
     for (int by = 1; by <= kMixed; ++by) {
       if (i >= by) mixed.col(i) += shares(i, by) * cells.col(i - by);
       if (i + by < cells.cols()) mixed.col(i) += shares(i, by) * cells.col(i + by);
@@ -101,9 +99,8 @@ ArrayXXf MixAlong(const ArrayXXf& cells, const Eigen::ArrayX4f& shares) {
   return mixed;
 }
 ArrayXXf MixAround(const ArrayXXf& cells, const Eigen::ArrayX4f& shares) {
-  ArrayXXf mixed(cells.rows(), cells.cols());
+  ArrayXXf mixed = cells;
   for (Eigen::Index i = 0; i < cells.cols(); ++i) {
-    mixed.col(i) = cells.col(i) * shares(i, 0);
     for (int by = 1; by <= kMixed; ++by) {
       const Eigen::Index rest = cells.rows() - by;
       mixed.col(i).tail(rest) += shares(i, by) * cells.col(i).head(rest);
@@ -206,7 +203,9 @@ MouthFit::Light MouthFit::Measure(const Picture& picture, const WallPose& pose,
 MouthFit::Points MouthFit::Take(const Picture& picture, const WallPose& pose, double right_m,
                                 const Light& light, const Grid& grid) const {
   const PipeWall wall(camera_, pipe_radius_m_, pose);
-  Points points{.grid = grid, .light = light, .right_m = right_m};
+  Points points;
+  points.light = light;
+  points.right_m = right_m;
   std::vector<float> seen, lens;
   std::vector<std::array<float, 2>> apart;  // of each column's points, by what is mixed
   for (double z = grid.near_m; z < grid.far_m; z *= 1.0 + grid.step) {
@@ -294,15 +293,17 @@ MouthFit::Rest MouthFit::Compare(const Points& points, const Mouth& mouth, bool 
   const auto there = static_cast<Eigen::Index>(beyond.size());
   ArrayXf expected = points.brightness;
   expected(beyond) = Brightness(points.light.line, light.head(there));
+  // A picture may have been taken beyond the mouth, if the robot has driven back since.
+  const float mouth_log = std::log(std::max(1e-3F, static_cast<float>(mouth.distance_m)));
   if (!sharp) expected = Blur(points, expected.square()).sqrt();
   const ArrayXf off = (points.seen - expected.log()) / static_cast<float>(points.light.usual);
   Rest rest{ArrayXf(count), 0.0};
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     if (surfaces[i].empty()) continue;
-    const auto& at = surfaces[i];
-    Spots spots{ArrayXf(at.size()),
-                points.log_along(at) - std::log(static_cast<float>(mouth.distance_m)), off(at)};
-    for (std::size_t k = 0; k < at.size(); ++k)
+    const Eigen::Map<const Eigen::ArrayX<Eigen::Index>> at(
+        surfaces[i].data(), static_cast<Eigen::Index>(surfaces[i].size()));
+    Spots spots{ArrayXf(at.size()), points.log_along(at) - mouth_log, off(at)};
+    for (Eigen::Index k = 0; k < at.size(); ++k)
       spots.across[k] = static_cast<float>(points.wall_P[at[k]].x() / pipe_radius_m_);
     const Vector3d& spread = i == static_cast<std::size_t>(Surface::kPipe) ? kPipeSpread : kSpread;
     const Eigen::Vector3f prior =

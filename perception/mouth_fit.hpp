@@ -52,7 +52,6 @@ class MouthFit {
   /// Pixels, and what they would show of an endless pipe. Cells of the grid: one row for each
   /// direction, one column for each distance.
   struct Points {
-    Grid grid;
     Light light;
     double right_m{};                       ///< of the camera from the left one
     Eigen::Vector3d camera_P, lamp_P;       ///< as in ChamberModel; lamp: the middle of all

@@ -1,7 +1,6 @@
 #include "perception/our_landmarks.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "perception/joint_search.hpp"
 #include "perception/mouth_search.hpp"
@@ -42,21 +41,21 @@ LandmarkTracker::LandmarkTracker(const robot::Description& description, const ro
 }
 
 void LandmarkTracker::Add(const cv::Mat& brightness, const cv::Mat& right, double travel_m) {
-  if (sights_.empty())
-    motion_.pose =
-        FindWallPose(brightness, camera_, lamps_, sizes_.pipe_diameter_m / 2.0, camera_height_m_);
-  if (!right.empty()) sights_.push_back({LogBrightness(right), travel_m, baseline_m_, {}, {}});
-  sights_.push_back({LogBrightness(brightness), travel_m, 0.0, {}, {}});
+  if (!right.empty()) sights_.push_back({{}, LogBrightness(right), travel_m, baseline_m_, {}, {}});
+  sights_.push_back({brightness.clone(), LogBrightness(brightness), travel_m, 0.0, {}, {}});
   const std::size_t most = kPicturesOfApproach * (right.empty() ? 1 : 2);
   if (sights_.size() > most)
     sights_.erase(sights_.begin(), sights_.end() - static_cast<std::ptrdiff_t>(most));
 }
 
 RangedLandmark LandmarkTracker::Answer() {
+  const double radius_m = sizes_.pipe_diameter_m / 2.0;
+  const Sight& first = *std::ranges::find(sights_, 0.0, &Sight::right_m);
   std::vector<WallSight> passing;
   for (const Sight& sight : sights_)
     passing.push_back({sight.log_brightness, sight.travel_m, sight.right_m});
-  motion_ = FollowWall(camera_, sizes_.pipe_diameter_m / 2.0, passing, motion_.pose);
+  motion_ = FollowWall(camera_, radius_m, passing,
+                       FindWallPose(first.brightness, camera_, lamps_, radius_m, camera_height_m_));
   Scan();
   if (inlet_) return FindInlet();
   return mouth_ ? FindMouth() : FindJoint();

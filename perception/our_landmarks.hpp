@@ -14,9 +14,9 @@
 namespace kantaro::perception {
 
 /// Follows an approach to one landmark with one camera or a pair (`ours`, docs/localisation.md).
-/// How the pipe lies is found from the fall of light in the first picture and from the wall's
-/// texture as it passes in the next ones; what speaks for the landmark at each distance is added up
-/// over all pictures of both cameras.
+/// How the pipe lies is found from the fall of light in the first picture kept and from the
+/// wall's texture as it passes in the next ones; what speaks for the landmark at each distance is
+/// added up over all pictures of both cameras.
 class LandmarkTracker {
  public:
   /// @param camera      the only one, or the left one of the pair
@@ -28,11 +28,12 @@ class LandmarkTracker {
   /// @param brightness  rectified, of the camera's size
   /// @param right       of the right camera; empty for a single one
   void Add(const cv::Mat& brightness, const cv::Mat& right, double travel_m);
-  /// Before the last picture of those added: at least one.
+  /// How far the landmark is before the last picture of those added: at least one.
   [[nodiscard]] RangedLandmark Answer();
 
  private:
   struct Sight {
+    cv::Mat brightness;  ///< of a left one
     cv::Mat log_brightness;
     double travel_m{};
     double right_m{};         ///< of the camera from the left one

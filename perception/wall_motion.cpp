@@ -64,8 +64,9 @@ std::vector<WallPoint> PointsOnWall(double ring_px_m, const Level& level) {
 /// would too. So would a manhole's edges, far stronger than any texture, if contrast counted as it
 /// is.
 cv::Mat Texture(const cv::Mat& log_brightness, const Level& level) {
+  const cv::Size size = log_brightness.size() / level.shrink;
   cv::Mat small, texture;
-  cv::resize(log_brightness, small, log_brightness.size() / level.shrink, 0, 0, cv::INTER_AREA);
+  cv::resize(log_brightness({{0, 0}, size * level.shrink}), small, size, 0, 0, cv::INTER_AREA);
   cv::GaussianBlur(small, texture, {}, level.smooth_px);
   const auto odd = [&](double sizes) {
     return 2 * static_cast<int>(sizes * level.smooth_px / 2.0) + 1;
@@ -165,7 +166,8 @@ class Comparison {
                              double along, double around) const;
   [[nodiscard]] double Noise(const std::vector<Speck>& specks, std::size_t* samples) const;
 
-  /// Calls use(point, specks that are seen as pairs of sight and weight, their mean).
+  /// Calls use(point, its specks in all sights, those compared as pairs of sight and weight, their
+  /// mean).
   template <typename Use>
   void ForEachGroup(const std::vector<Speck>& specks, double noise, const Use& use) const {
     std::vector<double> values;
@@ -238,6 +240,7 @@ std::vector<Speck> Comparison::Look(const Vector& x) const {
     for (std::size_t i = 0; i < points_.size(); ++i) {
       const WallPoint& point = points_[i];
       const Vector3d p_C = wall.PointAt(point.distance_m + ahead_m, point.direction);
+      if (p_C.z() <= 0.0) continue;
       const double px_m = camera_.focal_px / p_C.z();
       const double shift_px = 0.5 + (right ? x[5] : 0.0);
       const cv::Point2d at((camera_.center_x_px + px_m * p_C.x() + shift_px) / shrink_ - 0.5,

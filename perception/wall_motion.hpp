@@ -22,11 +22,10 @@ struct WallMotion {
 };
 
 /// Finds how the pipe lies from its texture: only with the right axis do all pictures put each
-/// speck of the wall in one place. Gauss-Newton on brightness, from smooth to sharp; what is no
-/// wall (a shaft, a landmark's hollow, reflections) is weighed down.
-/// @param sights  the last one, of the left camera, is where the pose is asked; the robot lies
-/// alike
-///                in all of them
+/// speck of the wall in one place. Levenberg and Marquardt's steps on brightness, from smooth to
+/// sharp; what is no wall (a shaft, a landmark's hollow, reflections) is weighed down.
+/// @param sights  in the order they were taken; the last one, of the left camera, is where the pose
+///                is asked; the robot lies alike in all of them
 /// @param start   where to begin, and where to stay if the wall shows no texture
 [[nodiscard]] WallMotion FollowWall(const robot::Camera& camera, double pipe_radius_m,
                                     const std::vector<WallSight>& sights, const WallPose& start);

@@ -134,6 +134,38 @@ TEST(OurLandmarks, MeasureAJointOnADrawnWall) {
   }
 }
 
+TEST(LandmarkDistance, AnswersByTheLastPicturesThatAreGood) {
+  const auto make = [] {
+    return MakeMonoDistance(Robot(), Shipped(LandmarkMethod::kOurs), LandmarkKind::kJoint, kSizes);
+  };
+  const auto five = make(), more = make();
+  EXPECT_EQ(more->Answer().status, Status::kNotSeen);
+  more->Add({PipeWithJoint(0.4), {}, 0.00});
+  more->Add({Even(0), {}, 0.01});
+  EXPECT_EQ(more->Answer().status, Status::kBlank);
+  for (int i = 0; i < kPicturesOfApproach; ++i) {
+    const double travel_m = 0.05 + 0.04 * i;
+    for (const auto& asked : {five.get(), more.get()})
+      asked->Add({PipeWithJoint(0.9 - travel_m), {}, travel_m});
+  }
+  const LandmarkAnswer answer = five->Answer();
+  EXPECT_NEAR(answer.distance_m, 0.69, 0.02);
+  for (const auto& asked : {five.get(), more.get()}) {
+    EXPECT_EQ(asked->Answer().distance_m, answer.distance_m);
+    EXPECT_EQ(asked->Answer().deviation_m, answer.deviation_m);
+  }
+}
+
+// What was seen of the manhole from inside it tells nothing, but spoils nothing.
+TEST(LandmarkDistance, StatesANumberAfterDrivingBack) {
+  auto asked =
+      MakeMonoDistance(Robot(), Shipped(LandmarkMethod::kOurs), LandmarkKind::kManhole, kSizes);
+  asked->Add({PipeWithJoint(0.2), {}, 0.4});
+  const LandmarkAnswer answer = asked->Update({PipeWithJoint(0.6), {}, 0.0});
+  EXPECT_TRUE(std::isfinite(answer.distance_m));
+  EXPECT_GT(answer.deviation_m, 0.0);
+}
+
 TEST(LandmarkDistance, SaysThatAPictureIsBlankOrSaturated) {
   for (const LandmarkMethod method : {LandmarkMethod::kThesis, LandmarkMethod::kOurs}) {
     auto asked = MakeMonoDistance(Robot(), Shipped(method), LandmarkKind::kJoint, kSizes);

@@ -64,10 +64,10 @@ TEST(LandmarkTracker, MeasuresAnInlet) {
   EXPECT_NEAR(Follow({}, LandmarkKind::kInletRight, 0.55).distance_m, 0.55, 0.01);
 }
 
-// Where there is none, any distance is as good as another: an even spread over 0.25 to 1.7 m has a
-// deviation of 0.42 m.
+// Where there is none, any distance is as good as another, but for what nobody could see so far
+// away: an even spread over the last 0.5 m of 1.7 m has a deviation of 0.14 m.
 TEST(LandmarkTracker, DoubtsAJointThatItCannotSee) {
-  EXPECT_GT(Follow({}, LandmarkKind::kJoint).deviation_m, 0.1);
+  EXPECT_GT(Follow({}, LandmarkKind::kJoint).deviation_m, 0.13);
 }
 
 }  // namespace

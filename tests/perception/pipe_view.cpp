@@ -118,7 +118,7 @@ cv::Mat Draw(const PipeView& view) {
                                    .toRotationMatrix();
   // 80 grey levels on the wall half a metre ahead.
   const double gain = 80 / Lit({0, view.radius_m, 0.5}, Vector3d::UnitY(), Vector3d::Zero());
-  RandomStream noise(1, "pipe view");
+  RandomStream noise(view.noise_seed, "pipe view");
   cv::Mat image(camera.height_px, camera.width_px, CV_8UC3);
   constexpr int kSubs = 3;
   for (int row = 0; row < image.rows; ++row) {

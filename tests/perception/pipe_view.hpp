@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <vector>
@@ -35,6 +36,7 @@ struct PipeView {
   std::vector<ViewedCrack> cracks{};
   double texture{0.05};  ///< relative speckle of the wall, patches of 8 mm
   double noise{1.0};     ///< grey levels, standard deviation
+  std::uint64_t noise_seed{1};
 };
 
 /// The robot's front camera: 704 x 480, 60° across.
