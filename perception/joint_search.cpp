@@ -24,18 +24,18 @@ constexpr double kAxisError_m = 0.0035, kSurest_m = 1.2, kLeastError_px = 0.35;
 constexpr int kFarthestCenter_px = 8;
 constexpr double kUnlikely = 4.5;  ///< deviations
 
-/// A plain ring [log odds above the median's], and how far behind it a landmark is another one.
-constexpr double kPlain = 11.0, kBehind_m = 0.25;
+/// A ring that stands out from the median by this [log odds] may well be another landmark behind
+/// the joint, if it is farther off than this. How much that says for what is before it ends, for
+/// that may be an arc.
+constexpr double kPlain = 14.4, kBehind_m = 0.25, kMostOfBehind = 30.0;
 
 /// How much the line found may differ from the joint's edge, and that from the landmark.
 constexpr double kRadiusError_px = 0.35, kGapError_m = 0.0025;
 
 /// What each sign says [log odds]: logistic regression among all columns of training views
-/// (docs/localisation.md). Contrasts and line widths count by their logarithms.
-constexpr double kWallWeight = 0.180, kFirstOfWallWeight = 0.388;
-constexpr double kInvertWeight = 0.255, kFirstOfInvertWeight = 0.475, kCenterWeight = 0.202;
-constexpr double kBrightWeight = 0.434, kDarkWeight = 0.494;
-constexpr double kSizeWeight = 6.024, kWidthWeight = -1.724, kSizeByWidthWeight = 0.115;
+/// (docs/localisation.md). The line's width counts by its logarithm.
+constexpr double kWallWeight = 1.04, kInvertWeight = 1.29, kMostOfInvert = 8.0,
+                 kCenterWeight = 1.73, kWidthWeight = -1.68;
 
 /// Rows of sectors by column of the last picture's radii.
 using Rows = cv::Mat;
@@ -296,37 +296,27 @@ std::vector<Signs> Search(const Rows& contrasts, const std::vector<double>& axis
 }
 
 /// Log odds of a joint at a column, but for a constant.
-double LogOdds(const Signs& signs, std::vector<float>& of_wall, double width_px) {
-  double sizes = 0.0;
-  for (const float contrast : of_wall) sizes += std::abs(contrast);
-  const auto middle = of_wall.begin() + static_cast<std::ptrdiff_t>(of_wall.size() / 2);
-  std::nth_element(of_wall.begin(), middle, of_wall.end());
-  const double width = std::log(std::max(width_px, 0.05));
-  const double size = std::log(sizes / static_cast<double>(of_wall.size()) + 0.004);
-  const double bright = std::log(std::max<double>(*middle, 0.0) + 0.006);
-  const double dark = std::log(std::max<double>(-*middle, 0.0) + 0.006);
-  return kWallWeight * std::clamp(signs.wall, -6.0, 60.0) +
-         kFirstOfWallWeight * std::min(signs.wall, 12.0) +
-         kInvertWeight * std::clamp(signs.invert, -4.0, 20.0) +
-         kFirstOfInvertWeight * std::min(signs.invert, 5.0) - kCenterWeight * signs.against_center +
-         kBrightWeight * bright + kDarkWeight * dark + kSizeWeight * size +
-         width * (kWidthWeight + kSizeByWidthWeight * size);
+double LogOdds(const Signs& signs, double width_px) {
+  return kWallWeight * signs.wall + kInvertWeight * std::min(signs.invert, kMostOfInvert) -
+         kCenterWeight * signs.against_center + kWidthWeight * std::log(width_px);
 }
 
-/// Takes from each distance what a plain ring before it speaks against it.
-void CountNearestAlone(std::vector<TriedDistance>& tried) {
+/// Lets each distance explain a plain ring behind it, as another landmark than the nearest: else
+/// a faint joint would lose to a plain mouth.
+/// @param tried  from the nearest on
+void ExplainWhatIsBehind(std::vector<TriedDistance>& tried) {
   std::vector<double> odds;
   for (const TriedDistance& one : tried) odds.push_back(one.log_odds);
   std::vector<double> sorted = odds;
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
   std::nth_element(sorted.begin(), middle, sorted.end());
   const double plain = *middle + kPlain;
-  // From the nearest on; `near` follows at a distance.
+  // From the farthest on; `behind` follows at a distance.
   double most = -HUGE_VAL;
-  for (std::size_t i = 0, near = 0; i < tried.size(); ++i) {
-    while (tried[near].distance_m < tried[i].distance_m - kBehind_m)
-      most = std::max(most, odds[near++]);
-    tried[i].log_odds -= std::log1p(std::exp(most - plain));
+  for (std::size_t i = tried.size(), behind = i; i-- > 0;) {
+    while (tried[behind - 1].distance_m > tried[i].distance_m + kBehind_m)
+      most = std::max(most, odds[--behind]);
+    tried[i].log_odds += std::min(std::log1p(std::exp(most - plain)), kMostOfBehind);
   }
 }
 
@@ -344,24 +334,18 @@ RangedLandmark FindJoint(const std::vector<JointSight>& sights, double near_m, d
   }
   const std::vector<Signs> signs = Search(contrasts, axis_error_px);
   std::vector<TriedDistance> tried;
-  std::vector<float> of_wall;
   for (int k = contrasts.cols - 1; k >= 0; --k) {
     const double distance_m = last.DistanceOf(k);
     if (distance_m < near_m || distance_m > far_m || signs[k].center == nullptr) continue;
-    of_wall.clear();
     int seen = 0;
-    for (int j = 0; j < kSectors; ++j) {
-      const float contrast = contrasts.at<float>(j, k + signs[k].center->shifts[j]);
-      if (std::isnan(contrast)) continue;
-      ++seen;
-      if (!InInvert(j)) of_wall.push_back(contrast);
-    }
-    if (seen < kFewestSectors || of_wall.empty()) continue;
+    for (int j = 0; j < kSectors; ++j)
+      seen += std::isnan(contrasts.at<float>(j, k + signs[k].center->shifts[j])) ? 0 : 1;
+    if (seen < kFewestSectors) continue;
     // Columns lie closer together in distance where they are near, as Likeliest does not expect.
-    tried.push_back({distance_m, LogOdds(signs[k], of_wall, widths[k])});
+    tried.push_back({distance_m, LogOdds(signs[k], widths[k])});
   }
   if (tried.empty()) return {(near_m + far_m) / 2.0, (far_m - near_m) / std::sqrt(12.0)};
-  CountNearestAlone(tried);
+  ExplainWhatIsBehind(tried);
   for (TriedDistance& one : tried) one.log_odds += std::log(one.distance_m);
   RangedLandmark found = Likeliest(tried);
   const double radius_error_m =

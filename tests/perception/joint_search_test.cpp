@@ -85,6 +85,12 @@ TEST(JointSearch, TakesTheNearerOfTwoPlainRings) {
   EXPECT_LT(found.deviation_m, 0.02);
 }
 
+TEST(JointSearch, TakesAFaintJointBeforeAPlainMouth) {
+  const RangedLandmark found =
+      FindJoint(Approach({{0.6, 0.07, 1.0, 0.7}, {1.3, 0.3}}, 0.05, 5), kNear_m, kFar_m);
+  EXPECT_NEAR(found.distance_m, 0.6, 0.01);
+}
+
 // The band is what lies dark behind a manhole's joint, nine pixels inside the line.
 TEST(JointSearch, TellsADarkJointFromTheBandBehindIt) {
   const RangedLandmark found = FindJoint(
