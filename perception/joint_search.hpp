@@ -17,9 +17,9 @@ struct JointSight {
 ///
 /// The pictures' contrasts are averaged where they show the same wall, so that a line that no
 /// single picture shows can still be told from noise. How likely a joint is at a distance follows
-/// from how much more likely its contrasts all round are for a line than for mere texture, and from
-/// how plain a joint would be there: faint contrast is a joint far away, but not close by. Beyond
-/// a plain ring nothing counts, or a manhole's mouth would be taken for a joint.
+/// from how much more likely its contrasts all round are for a line than for mere texture, and a
+/// plain ring farther off says nothing against a faint one: it may be a manhole's mouth behind the
+/// joint.
 /// @param sights  at least one; the last is the one that distances count from
 [[nodiscard]] RangedLandmark FindJoint(const std::vector<JointSight>& sights, double near_m,
                                        double far_m);
