@@ -27,7 +27,7 @@ constexpr double kUnlikely = 4.5;  ///< deviations
 /// A ring that stands out from the median by this [log odds] may well be another landmark behind
 /// the joint, if it is farther off than this. How much that says for what is before it ends, for
 /// that may be an arc.
-constexpr double kPlain = 14.4, kBehind_m = 0.25, kMostOfBehind = 30.0;
+constexpr double kPlain = 14.4, kBehind_m = 0.25, kMostOfBehind = 40.0;
 
 /// How much the line found may differ from the joint's edge, and that from the landmark.
 constexpr double kRadiusError_px = 0.35, kGapError_m = 0.0025;
