@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstdlib>
+#include <mutex>
 #include <string>
 
 #include "base/input_error.hpp"
@@ -40,13 +41,30 @@ OpenGl& Chosen() {
   return *gl;
 }
 
+/// Who holds it may draw, and make and end contexts.
+std::mutex& DrawingMutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
 }  // namespace
 
-OffscreenContext::OffscreenContext() : context_(Chosen().NewContext()) {
+OffscreenContext::OffscreenContext() {
+  {
+    const std::lock_guard alone(DrawingMutex());
+    context_ = Chosen().NewContext();
+  }
   const Current current(*this);
 }
 
-OffscreenContext::Current::Current(OffscreenContext& context) { context.context_->MakeCurrent(); }
+OffscreenContext::~OffscreenContext() {
+  const std::lock_guard alone(DrawingMutex());
+  context_.reset();
+}
+
+OffscreenContext::Current::Current(OffscreenContext& context) : alone_(DrawingMutex()) {
+  context.context_->MakeCurrent();
+}
 
 OffscreenContext::Current::~Current() { Chosen().Release(); }
 

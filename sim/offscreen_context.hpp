@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <stdexcept>
 
 #include "sim/open_gl.hpp"
@@ -17,16 +18,23 @@ class RenderingUnavailable : public std::runtime_error {
 /// environment variable KANTARO_GL is `egl`. All contexts of a process come from one of the two.
 ///
 /// Entry points come from the context itself; the program links no OpenGL, because MuJoCo takes its
-/// own from whichever it finds first. A context may move between threads but is current on at most
-/// one.
+/// own from whichever it finds first, into globals.
+///
+/// A context may move between threads. One in the whole process is current at any time: before
+/// Mesa 22.3's llvmpipe reads or writes a texture it walks through what every context is about to
+/// draw, without a lock, and once in many hours it found freed memory there.
 class OffscreenContext {
  public:
   /// @throws RenderingUnavailable if the library is absent or does not start.
   /// @throws InputError if KANTARO_GL names no library that is known, or LP_NATIVE_VECTOR_WIDTH a
   /// width that Mesa cannot draw with.
   OffscreenContext();
+  ~OffscreenContext();
+  OffscreenContext(const OffscreenContext&) = delete;
+  OffscreenContext& operator=(const OffscreenContext&) = delete;
 
-  /// Current on this thread for as long as it lives.
+  /// Current on this thread for as long as it lives, after all others have gone. Two on one thread
+  /// never end.
   class Current {
    public:
     /// @throws RenderingUnavailable
@@ -34,6 +42,9 @@ class OffscreenContext {
     ~Current();
     Current(const Current&) = delete;
     Current& operator=(const Current&) = delete;
+
+   private:
+    std::lock_guard<std::mutex> alone_;
   };
 
   /// An OpenGL function by name. @throws RenderingUnavailable if this OpenGL lacks it.

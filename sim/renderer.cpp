@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -119,12 +118,6 @@ cv::Mat Develop(const cv::Mat& pixels, const std::array<cv::Vec3b, 256>& tone) {
   return image;
 }
 
-/// MuJoCo loads OpenGL's entry points into globals whenever it makes a context.
-std::mutex& ContextMutex() {
-  static std::mutex mutex;
-  return mutex;
-}
-
 }  // namespace
 
 class Renderer::Impl {
@@ -132,7 +125,6 @@ class Renderer::Impl {
   Impl(std::shared_ptr<const Scenery> scenery, const RendererOptions& options)
       : scenery_(std::move(scenery)), options_(options) {
     ThrowOnMujocoErrors();
-    const std::lock_guard lock(ContextMutex());
     const OffscreenContext::Current current(context_);
     gl_.emplace();
     // Only numbers change in this copy; the arrays stay the scenery's.
@@ -156,7 +148,6 @@ class Renderer::Impl {
   }
 
   ~Impl() {
-    const std::lock_guard lock(ContextMutex());
     const OffscreenContext::Current current(context_);
     mjv_freeScene(&scene_);
     mujoco_.offFBO = mujocos_framebuffer_;
@@ -170,32 +161,16 @@ class Renderer::Impl {
     Check(view);
     if (given.p_WLamp.size() > kMaxLamps)
       throw std::invalid_argument("more lamps than a renderer can light");
-    const Lamps lamps = Merged(given);
-    const OffscreenContext::Current current(context_);
-    ChoosePieces(view);
-    const std::span drawn(scene_.geoms, static_cast<std::size_t>(scene_.ngeom));
-    const bool film =
-        std::ranges::any_of(drawn, [](const mjvGeom& geom) { return geom.emission > 0.0f; });
-    const GLuint program = film ? LampProgram(film_programs_, lamps, kVertexShader, FilmShader())
-                                : LampProgram(lamp_programs_, lamps, kVertexShader, kLampShader);
-    gl_->UseProgram(program);
-    SetLamps(view, lamps, program);
-    Draw(view);
-    if (const auto sheets = VisibleWater(view); !sheets.empty()) DrawWater(view, lamps, sheets);
-    return Develop(ReadBack(view), ToneTable(lamps.p_WLamp.empty() ? 0.0 : lamps.brightness));
+    DrawLit(view, Merged(given));
+    return Develop(pixels_, ToneTable(given.p_WLamp.empty() ? 0.0 : given.brightness));
   }
 
   cv::Mat RenderDepth(const CameraView& view) {
     Check(view);
-    const OffscreenContext::Current current(context_);
-    ChoosePieces(view);
-    gl_->UseProgram(depth_program_);
-    Draw(view);
-    for (const WaterSheet* sheet : VisibleWater(view)) DrawSheet(view, *sheet);
-    const cv::Mat& pixels = ReadBack(view);
-    cv::Mat depth(pixels.size(), CV_32F);
+    DrawDepth(view);
+    cv::Mat depth(pixels_.size(), CV_32F);
     for (int row = 0; row < depth.rows; ++row) {
-      const auto* from = pixels.ptr<cv::Vec4b>(depth.rows - 1 - row);
+      const auto* from = pixels_.ptr<cv::Vec4b>(depth.rows - 1 - row);
       auto* to = depth.ptr<float>(row);
       for (int col = 0; col < depth.cols; ++col) {
         const cv::Vec4b& p = from[col];
@@ -207,6 +182,31 @@ class Renderer::Impl {
   }
 
  private:
+  /// Into `pixels_`, as `DrawDepth`. Other renderers wait meanwhile.
+  void DrawLit(const CameraView& view, const Lamps& lamps) {
+    ChoosePieces(view);
+    const OffscreenContext::Current current(context_);
+    const std::span drawn(scene_.geoms, static_cast<std::size_t>(scene_.ngeom));
+    const bool film =
+        std::ranges::any_of(drawn, [](const mjvGeom& geom) { return geom.emission > 0.0f; });
+    const GLuint program = film ? LampProgram(film_programs_, lamps, kVertexShader, FilmShader())
+                                : LampProgram(lamp_programs_, lamps, kVertexShader, kLampShader);
+    gl_->UseProgram(program);
+    SetLamps(view, lamps, program);
+    Draw(view);
+    if (const auto sheets = VisibleWater(view); !sheets.empty()) DrawWater(view, lamps, sheets);
+    ReadBack(view);
+  }
+
+  void DrawDepth(const CameraView& view) {
+    ChoosePieces(view);
+    const OffscreenContext::Current current(context_);
+    gl_->UseProgram(depth_program_);
+    Draw(view);
+    for (const WaterSheet* sheet : VisibleWater(view)) DrawSheet(view, *sheet);
+    ReadBack(view);
+  }
+
   void Check(const CameraView& view) const {
     if (view.width_px < 1 || view.height_px < 1 || view.width_px > options_.max_width_px ||
         view.height_px > options_.max_height_px || !(view.focal_px > 0.0)) {
@@ -338,11 +338,9 @@ class Renderer::Impl {
     mjr_render(viewport, &scene_, &mujoco_);
   }
 
-  /// BGRA, the lowest row first.
-  const cv::Mat& ReadBack(const CameraView& view) {
+  void ReadBack(const CameraView& view) {
     pixels_.create(view.height_px, view.width_px, CV_8UC4);
     gl_->ReadPixels(0, 0, view.width_px, view.height_px, GL_BGRA, GL_UNSIGNED_BYTE, pixels_.data);
-    return pixels_;
   }
 
   /// The camera stands at OpenGL's origin and the scene is moved to it: single precision then
@@ -394,7 +392,7 @@ class Renderer::Impl {
   GLuint mujocos_framebuffer_{};
   GLuint frame_{};  ///< texture, 0 if not yet needed
   GLuint depth_program_{};
-  cv::Mat pixels_;
+  cv::Mat pixels_;  ///< of the last picture; BGRA, the lowest row first
   std::vector<std::pair<double, const Scenery::Piece*>> chosen_;
 };
 

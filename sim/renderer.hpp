@@ -38,10 +38,9 @@ struct RendererOptions {
 /// distance, on walls that scatter evenly and shine where they are wet. Images depend on the
 /// arguments alone, to the bit.
 ///
-/// Owns an OpenGL context. Any thread may use it, one at a time; two renderers may draw at once.
-/// llvmpipe fills the pixels of all renderers of a process with one crew of threads, as many as
-/// there are cores (environment variable LP_NUM_THREADS); with 0 they fill them themselves, but one
-/// after the other. The pixels are the same.
+/// Owns an OpenGL context. Any thread may use it, one at a time; renderers draw one after the
+/// other. llvmpipe fills the pixels with a crew of threads, as many as there are cores (environment
+/// variable LP_NUM_THREADS; with 0 the caller fills them). The pixels are the same.
 class Renderer {
  public:
   /// @throws RenderingUnavailable, MujocoError
