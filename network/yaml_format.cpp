@@ -5,8 +5,6 @@
 #include <charconv>
 #include <cmath>
 #include <iterator>
-#include <limits>
-#include <numbers>
 #include <optional>
 #include <string_view>
 
@@ -17,30 +15,12 @@
 #include "network/names.hpp"
 #include "network/network_index.hpp"
 #include "network/yaml_notes.hpp"
+#include "network/yaml_units.hpp"
 
 namespace kantaro::network {
 namespace {
 
 // ---------------------------------------------------------------------------------------- reading
-
-constexpr long double kMillimetres = 1000.0L;                               // in a metre
-constexpr long double kDegrees = 180.0L / std::numbers::pi_v<long double>;  // in a radian
-
-/// The number in the text over the units in one of ours. In more than double precision: there is a
-/// text for every double then.
-double InUnits(std::string_view text, long double units) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  long double value{};
-  std::from_chars(text.data(), text.data() + text.size(), value);
-  return static_cast<double>(value / units);
-}
-
-double Scaled(const YamlNode& node, long double units) {
-  (void)node.Number();  // which complains of what is no number
-  return InUnits(node.Text(), units);
-}
-
-double Millimetres(const YamlNode& node) { return Scaled(node, kMillimetres); }
 
 std::optional<double> MillimetresIfGiven(const YamlNode& node, std::string_view key) {
   const auto found = node.Find(key);
@@ -57,7 +37,7 @@ void ReadMillimetres(const YamlNode& node, std::string_view key, double& value_m
 }
 
 void ReadDegrees(const YamlNode& node, std::string_view key, double& value_rad) {
-  ReadIfGiven(node, key, [&](const YamlNode& found) { value_rad = Scaled(found, kDegrees); });
+  ReadIfGiven(node, key, [&](const YamlNode& found) { value_rad = Degrees(found); });
 }
 
 void ReadNumber(const YamlNode& node, std::string_view key, double& value) {
@@ -259,24 +239,6 @@ YamlNode NodeOf(const YamlNode& node, std::string_view field) {
 }
 
 // ---------------------------------------------------------------------------------------- writing
-
-/// The shortest number that reads back as the same value in our units.
-std::string ScaledText(double value, long double units) {
-  const long double scaled = value * units;
-  // Not below the digits before the point: 250, not 2.5e+02.
-  const int whole =
-      std::abs(scaled) < 10.0L ? 1 : static_cast<int>(std::log10(std::abs(scaled))) + 1;
-  std::string text;
-  for (int digits = std::min(whole, 17); digits <= std::numeric_limits<long double>::max_digits10;
-       ++digits) {
-    text = fmt::format("{:.{}g}", scaled, digits);
-    if (InUnits(text, units) == value) break;
-  }
-  return text;
-}
-
-std::string MillimetreText(double value_m) { return ScaledText(value_m, kMillimetres); }
-std::string DegreeText(double value_rad) { return ScaledText(value_rad, kDegrees); }
 
 bool IsPlainWord(const std::string& name) {
   const auto is_plain = [](char c) {

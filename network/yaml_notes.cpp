@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
+
+#include "network/yaml_units.hpp"
 
 namespace kantaro::network {
 namespace {
@@ -36,7 +37,7 @@ SkippedLink ReadSkippedLink(const YamlNode& node) {
   link.downstream = Words(node["to"]);
   link.reason = Words(node["reason"]);
   link.length_m = LengthIfGiven(node, "length_m");
-  link.height_m = LengthIfGiven(node, "height_mm") / 1000.0;
+  if (LengthIfGiven(node, "height_mm") > 0.0) link.height_m = Millimetres(node["height_mm"]);
   if (const auto via = node.Find("via_m")) {
     for (const YamlNode& corner : via->Elements()) {
       const std::vector<double> p_W = corner.Numbers(2);
@@ -66,24 +67,12 @@ std::string Quoted(const std::string& text) {
   return quoted + '"';
 }
 
-/// A number of millimetres that reads back as the same number of metres.
-double Millimetres(double value_m) {
-  const double round_mm = std::round(value_m * 1e4) / 10.0;
-  if (round_mm / 1000.0 == value_m) return round_mm;
-  const double value_mm = value_m * 1000.0;
-  for (const double candidate :
-       {std::nextafter(value_mm, -HUGE_VAL), std::nextafter(value_mm, HUGE_VAL)}) {
-    if (value_mm / 1000.0 != value_m && candidate / 1000.0 == value_m) return candidate;
-  }
-  return value_mm;
-}
-
 std::string SkippedLinkText(const SkippedLink& link) {
   std::string text =
       fmt::format("  - {{name: {}, from: {}, to: {}, reason: {}", Quoted(link.name),
                   Quoted(link.upstream), Quoted(link.downstream), Quoted(link.reason));
   if (link.length_m > 0.0) text += fmt::format(", length_m: {}", link.length_m);
-  if (link.height_m > 0.0) text += fmt::format(", height_mm: {}", Millimetres(link.height_m));
+  if (link.height_m > 0.0) text += fmt::format(", height_mm: {}", MillimetreText(link.height_m));
   if (!link.via_W.empty()) {
     std::vector<std::string> corners;
     for (const Eigen::Vector2d& p_W : link.via_W) {

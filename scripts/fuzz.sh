@@ -17,7 +17,7 @@ fi
 mkdir -p build/fuzz/found build/fuzz/log
 # A target has a core to itself; as many run beside each other as there are cores.
 fuzz() {
-  local target=$1 corpus=build/fuzz/corpus/$1 log=build/fuzz/log/$1
+  local target=$1 corpus=build/fuzz/corpus/$1 log=build/fuzz/log/$1 input
   mkdir -p "$corpus"
   if "build/fuzz/bin/$target" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 \
     -artifact_prefix="build/fuzz/found/$target-" "$corpus" "fuzz/corpus/$target" >"$log" 2>&1; then
@@ -25,6 +25,9 @@ fuzz() {
   else
     echo "fuzz: $target broke"
     grep -m 1 -A 20 'ERROR' "$log" || tail -n 20 "$log"
+    input=$(sed -n 's/.*Test unit written to //p' "$log" | tail -n 1)
+    # A machine that is gone tomorrow says what broke it.
+    [ -z "$input" ] || { echo "fuzz: $input, gzip | base64:" && gzip -c "$input" | base64; }
     return 1
   fi
 }

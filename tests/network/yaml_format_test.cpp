@@ -310,6 +310,18 @@ TEST(NetworkYaml, KeepsWhatIsNotBuiltAndWhatWasSaidOfIt) {
   EXPECT_EQ(again.remarks[1].text, "it's a \\ and a # comment");
 }
 
+// 2.1 and 47.7 mm are among the fiftieth of all tenths that are no double's thousandth.
+TEST(NetworkYaml, KeepsTheHeightOfWhatIsNotBuiltToTheBit) {
+  Network network = OnePipe();
+  for (int tenths = 1; tenths <= 20'000; ++tenths) {
+    network.skipped.push_back({"W", "A", "B", "a weir", 0.0, tenths / 1e4});
+  }
+  const std::string text = ToYaml(network);
+  EXPECT_THAT(text, HasSubstr("height_mm: 2.1}"));
+  EXPECT_THAT(text, HasSubstr("height_mm: 2000}"));
+  EXPECT_TRUE(ParseYaml(text, "written.yaml") == network);
+}
+
 TEST(NetworkYaml, KeepsRemarksOnOneLine) {
   Network network = OnePipe();
   network.remarks = {{3, "node A", "a depth\nname: forged"}};
