@@ -44,6 +44,10 @@ ChamberModel::Hit ChamberModel::Trace(const Vector3d& from_P, const Vector3d& wa
   return Turning(from_P, ray_P, mouth_m, channel == Channel::kLeft ? -1.0 : 1.0);
 }
 
+ChamberModel::Hit ChamberModel::FarPipe(const Vector3d& wall_P) const {
+  return {Surface::kFarPipe, 1.0, Vector3d(-wall_P.x(), -wall_P.y(), 0.0) / pipe_m_};
+}
+
 /// Over the benching, or under what of the channel the shaft leaves roofed.
 ChamberModel::Hit ChamberModel::InShaft(const Vector3d& from_P, const Vector3d& ray_P,
                                         double mouth_m, double over_crown) const {
@@ -59,8 +63,7 @@ ChamberModel::Hit ChamberModel::Straight(const Vector3d& from_P, const Vector3d&
                                          double mouth_m, bool ends) const {
   const double end_m = mouth_m + 2.0 * shaft_m_, at_end = end_m / ray_P.z();
   const Vector3d wall_P = from_P + ray_P;
-  if (!ends && wall_P.z() > end_m)
-    return {Surface::kFarPipe, 1.0, Vector3d(-wall_P.x(), -wall_P.y(), 0.0) / pipe_m_};
+  if (end_m <= 0.0 || (!ends && wall_P.z() > end_m)) return FarPipe(wall_P);
   const Hit end{Surface::kEndWall, at_end, -Vector3d::UnitZ()};
   if (wall_P.y() >= 0.0) {
     if (ends && wall_P.z() > end_m) return end;
@@ -104,6 +107,7 @@ ChamberModel::Hit ChamberModel::Turning(const Vector3d& from_P, const Vector3d& 
     offer((mouth_m + shaft_m_ + pipe_m_ - from.y()) / ray.y(), {0.0, -1.0});
   }
   const Vector3d wall_P = from_P + ray_P;
+  if (along == HUGE_VAL) return FarPipe(wall_P);
   if (wall_P.y() >= 0.0 && wall_P.z() < bend_m)  // the channel's round bed
     return {Surface::kChannel, 1.0, Vector3d(-wall_P.x(), -wall_P.y(), 0.0) / pipe_m_};
   const double over_crown = ray_P.y() < 0.0 ? (-pipe_m_ - from_P.y()) / ray_P.y() : HUGE_VAL;

@@ -24,7 +24,8 @@ class ChamberModel {
   ChamberModel(double pipe_radius_m, double shaft_diameter_m);
 
   /// What a ray meets first.
-  /// @param from_P   in the pipe, before the mouth, at z = 0
+  /// @param from_P   in the pipe, before the mouth, at z = 0; beyond the manhole or its bend rays
+  ///                 meet a pipe again, for all that is known
   /// @param wall_P   where the ray would meet the wall of an endless pipe, z above 0, and not far
   ///                 below the axis, where water lies
   /// @param mouth_m  where the pipe ends
@@ -32,6 +33,7 @@ class ChamberModel {
                           double mouth_m, Channel channel) const;
 
  private:
+  [[nodiscard]] Hit FarPipe(const Eigen::Vector3d& wall_P) const;
   [[nodiscard]] Hit InShaft(const Eigen::Vector3d& from_P, const Eigen::Vector3d& ray_P,
                             double mouth_m, double over_crown) const;
   [[nodiscard]] Hit Straight(const Eigen::Vector3d& from_P, const Eigen::Vector3d& ray_P,

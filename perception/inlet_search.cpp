@@ -101,11 +101,12 @@ struct InletSearch::Samples {
 };
 
 InletSearch::InletSearch(const robot::Camera& camera, const std::vector<Eigen::Vector3d>& p_CLamp,
-                         const KnownSizes& sizes, bool left, double nearest_m)
+                         const KnownSizes& sizes, bool left, double near_m, double far_m)
     : camera_(camera),
       pipe_{sizes.pipe_diameter_m / 2.0, sizes.inlet_diameter_m / 2.0, p_CLamp},
       left_(left),
-      nearest_m_(nearest_m) {}
+      near_m_(near_m),
+      far_m_(std::max(near_m, std::min(far_m, kFarthest_m))) {}
 
 RangedLandmark InletSearch::Find(const std::vector<InletSight>& sights) const {
   std::vector<InletSight> smooth = sights;
@@ -149,8 +150,7 @@ std::vector<InletSearch::Place> InletSearch::BestApart(std::vector<Place> places
 std::vector<InletSearch::Place> InletSearch::SearchAll(
     const std::vector<InletSight>& smooth) const {
   std::vector<Place> places;
-  const double farthest_m = std::max(kFarthest_m, 2.0 * nearest_m_);
-  for (double d = nearest_m_; d <= farthest_m; d *= 1.0 + kStep) {
+  for (double d = near_m_; d <= far_m_; d *= 1.0 + kStep) {
     Place here{d, 0.0, Eigen::Vector2d::Zero(), -HUGE_VAL};
     for (double up = kLowest_rad; up <= kHighest_rad; up += kAngleStep_rad) {
       Place place{d, left_ ? std::numbers::pi + up : -up};

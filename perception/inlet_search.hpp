@@ -27,8 +27,9 @@ class InletSearch {
  public:
   /// @param p_CLamp  lamps in the camera's frame (LampsBefore)
   /// @param left     the side on which the inlet lies
+  /// @param far_m    beyond 1 m a mouth is a few pixels wide: none is looked for
   InletSearch(const robot::Camera& camera, const std::vector<Eigen::Vector3d>& p_CLamp,
-              const KnownSizes& sizes, bool left, double nearest_m);
+              const KnownSizes& sizes, bool left, double near_m, double far_m);
 
   /// What speaks for each place is added up over all pictures.
   /// @pre at least one
@@ -54,7 +55,7 @@ class InletSearch {
   robot::Camera camera_;
   BranchedPipe pipe_;
   bool left_;
-  double nearest_m_;
+  double near_m_, far_m_;
 };
 
 }  // namespace kantaro::perception

@@ -62,8 +62,8 @@ Rows SectorMeans(const JointSight& sight, const RingScan::Scanned& last) {
   for (int k = 0; k < there.cols; ++k) {
     const double column =
         sight.rings.ColumnOf(last.DistanceOf(std::max(k, 1 - last.first_px)) + sight.ahead_m);
-    const int below = static_cast<int>(std::floor(column));
-    if (below < 0 || below + 1 >= columns) continue;
+    if (!(column >= 0.0 && column < columns - 1)) continue;  // or where none is: driven back
+    const int below = static_cast<int>(column);
     const auto share = static_cast<float>(column - below);
     for (int j = 0; j < kSectors; ++j)
       there.at<float>(j, k) =

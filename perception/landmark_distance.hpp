@@ -27,7 +27,9 @@ struct LandmarkLook {
 struct LandmarkAnswer {
   enum class Status {
     kFound,
-    kNotSeen,    ///< a good picture that shows no such landmark, or no picture yet
+    /// A good picture that shows no such landmark, or no picture yet. `ours` always answers to a
+    /// good picture: where it doubts that there is a landmark, it states a deviation of decimetres.
+    kNotSeen,
     kBlank,      ///< nothing can be seen: dark or even all over
     kSaturated,  ///< too bright to see anything
   };
@@ -65,7 +67,8 @@ class LandmarkDistance {
 };
 
 /// By a single camera (thesis 4.3), with parameters.mono.
-/// @throws std::invalid_argument for sizes that are not above 0, or an inlet wider than the pipe.
+/// @throws std::invalid_argument for sizes that are not above 0, an inlet wider than the pipe, or a
+/// shaft that is not.
 [[nodiscard]] std::unique_ptr<LandmarkDistance> MakeMonoDistance(
     const robot::Description& description, const LandmarkParameters& parameters, LandmarkKind kind,
     const KnownSizes& sizes);

@@ -69,7 +69,9 @@ struct LandmarkCalibration {
 /// Section `landmarks` of perception.yaml.
 struct LandmarkParameters {
   LandmarkMethod mono{LandmarkMethod::kOurs}, stereo{LandmarkMethod::kOurs};
-  double near_m{0.25}, far_m{1.70};     ///< landmarks are looked for between these distances
+  /// Landmarks are looked for between these distances; inlets no farther than `thesis` (0.8 m) and
+  /// `ours` (1 m) can tell them from dirt.
+  double near_m{0.25}, far_m{1.70};
   int circle_low{30}, circle_high{90};  ///< for the single camera; thesis 4.3 gives none
   int canny_low{50}, canny_high{200};   ///< thesis 5.5 and 5.6
   int shorter_high{150},

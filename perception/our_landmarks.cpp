@@ -28,7 +28,8 @@ LandmarkTracker::LandmarkTracker(const robot::Description& description, const ro
       lamps_(LampsBefore(description, camera)) {
   const double radius_m = sizes.pipe_diameter_m / 2.0;
   if (ClassOf(kind) == LandmarkClass::kInlet) {
-    inlet_.emplace(camera, lamps_, sizes, kind == LandmarkKind::kInletLeft, parameters.near_m);
+    inlet_.emplace(camera, lamps_, sizes, kind == LandmarkKind::kInletLeft, parameters.near_m,
+                   parameters.far_m);
     return;
   }
   if (kind == LandmarkKind::kJoint) {

@@ -127,7 +127,7 @@ stereo::Parameters ReadStereo(const YamlNode& node) {
   stereo::Parameters p;
   p.method = ReadName(node["method"], stereo::Methods(), "a matching method");
   p.min_disparity_px = static_cast<int>(node["min_disparity_px"].Integer(0, 4096));
-  p.disparities = static_cast<int>(node["disparities"].Integer(1, 256));
+  p.disparities = static_cast<int>(node["disparities"].Integer(1, stereo::kMostDisparities));
   p.subpixel = node["subpixel"].Boolean();
   p.gaussian_window_px = ReadOdd(node["gaussian_window_px"], 1, 31);
   p.gaussian_px = node["gaussian_px"].Number(0.1, 100);

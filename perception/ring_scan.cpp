@@ -9,7 +9,6 @@ namespace kantaro::perception {
 namespace {
 
 constexpr int kCenterSearch_px = 10;
-constexpr double kGroove_m = 0.012;
 
 }  // namespace
 
@@ -18,9 +17,9 @@ RingScan::RingScan(const robot::Camera& camera, double pipe_radius_m, double nea
   if (!(pipe_radius_m > 0.0)) {
     throw std::invalid_argument("ring scan: the pipe's radius must be above 0");
   }
-  optics_ = {{camera.center_x_px, camera.center_y_px}, camera.focal_px * pipe_radius_m, kGroove_m};
-  smallest_px_ = std::max(8, static_cast<int>(optics_.ring_px_m / far_m));
-  largest_px_ = std::min(static_cast<int>(optics_.ring_px_m / near_m),
+  ring_px_m_ = camera.focal_px * pipe_radius_m;
+  smallest_px_ = std::max(8, static_cast<int>(ring_px_m_ / far_m));
+  largest_px_ = std::min(static_cast<int>(ring_px_m_ / near_m),
                          static_cast<int>(std::hypot(camera.width_px, camera.height_px) / 2));
   pad_px_ = static_cast<int>(kCenterSearch_px * 1.5) + kStepReach_px + 4;
   largest_px_ = std::max(largest_px_, smallest_px_ + 1);
@@ -36,7 +35,7 @@ Polar RingScan::Unroll(const cv::Mat& log_brightness, const WallPose& pose) cons
     const Eigen::Vector2d direction(Directions()[t].x, Directions()[t].y);
     for (int k = 0; k < size.width; ++k) {
       const double radius_px = std::max(1.0, static_cast<double>(first + k));
-      const cv::Point2d p = wall.Project(optics_.ring_px_m / radius_px, direction);
+      const cv::Point2d p = wall.Project(ring_px_m_ / radius_px, direction);
       map_x.at<float>(t, k) = static_cast<float>(p.x);
       map_y.at<float>(t, k) = static_cast<float>(p.y);
       polar.visible.at<std::uint8_t>(t, k) = first + k >= 1 && p.x >= 1 && p.y >= 1 &&
@@ -50,7 +49,7 @@ Polar RingScan::Unroll(const cv::Mat& log_brightness, const WallPose& pose) cons
 
 RingScan::Scanned RingScan::Scan(const cv::Mat& log_brightness, const WallPose& pose) const {
   Scanned scanned;
-  scanned.ring_px_m = optics_.ring_px_m;
+  scanned.ring_px_m = ring_px_m_;
   scanned.polar = Unroll(log_brightness, pose);
   scanned.first_px = scanned.polar.first_px;
   scanned.focal_px = camera_.focal_px;

@@ -37,8 +37,7 @@ class RingScan {
   [[nodiscard]] Polar Unroll(const cv::Mat& log_brightness, const WallPose& pose) const;
 
   robot::Camera camera_;
-  double pipe_radius_m_;
-  Optics optics_;
+  double pipe_radius_m_, ring_px_m_{};
   int smallest_px_{}, largest_px_{}, pad_px_{};
 };
 

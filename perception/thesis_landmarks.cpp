@@ -132,7 +132,8 @@ StereoSight SeeByStereo(const cv::Mat& left, const cv::Mat& right, double px_m,
   stereo::Parameters lc;
   lc.method = stereo::Method::kLc;
   lc.min_disparity_px = static_cast<int>(px_m / parameters.far_m);
-  lc.disparities = static_cast<int>(px_m / parameters.near_m) - lc.min_disparity_px + 1;
+  lc.disparities = std::min(static_cast<int>(px_m / parameters.near_m) - lc.min_disparity_px + 1,
+                            stereo::kMostDisparities);
   const EdgeCounts counts = CountEdges(left, parameters, kind);
   const cv::Mat disparity = stereo::Match(left, right, lc).disparity_px;
   const ClassCalibration& calibration = parameters.calibration.Of(kind);

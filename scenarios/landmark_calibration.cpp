@@ -263,8 +263,12 @@ void CalibrateThesis(const robot::Description& description,
   ViewRequest request = TrainingRequest(set, cameras, options);
   request.pictures = 1;
   std::vector<Lesson> lessons(options.views);
+  std::mutex mutex;
+  std::size_t done = 0;
   ForEachView(description, request, [&](LandmarkView&& view) {
     lessons[view.number] = ThesisLesson(view, cameras, description, parameters);
+    const std::lock_guard lock(mutex);
+    options.progress(++done, options.views);
   });
   FitThesis(lessons, cameras, description, calibration);
 }

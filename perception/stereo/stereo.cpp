@@ -36,7 +36,7 @@ void RequireRanges(const Parameters& p) {
   // Written so that a NaN fails.
   Require(p.min_disparity_px >= 0 && p.min_disparity_px <= 4096,
           "min_disparity_px must be 0 to 4096");
-  Require(p.disparities >= 1 && p.disparities <= 256, "disparities must be 1 to 256");
+  Require(p.disparities >= 1 && p.disparities <= kMostDisparities, "disparities must be 1 to 256");
   Require(p.window_px % 2 == 1 && p.window_px >= 3 && p.window_px <= kMaxWindow_px,
           "window_px must be odd, 3 to 11");
   Require(p.gaussian_window_px % 2 == 1 && p.gaussian_window_px >= 1 && p.gaussian_window_px <= 31,

@@ -44,10 +44,12 @@ enum class CornerDisparity {
   kAverage,   ///< weighted mean of the disparities where SSD′ and where correlation is greatest
 };
 
+inline constexpr int kMostDisparities = 256;
+
 struct Parameters {
   Method method{Method::kFastCubic};
   int min_disparity_px{0};
-  int disparities{64};        ///< candidates: min_disparity_px and upwards, 1 to 256
+  int disparities{64};        ///< candidates: min_disparity_px and upwards, 1 to kMostDisparities
   bool subpixel{false};       ///< refines by a parabola through the measure; the thesis does not
   int gaussian_window_px{7};  ///< smoothing of both images (sections 5.3.2, 5.4.2); odd, 1: none
   double gaussian_px{3.0};    ///< its standard deviation

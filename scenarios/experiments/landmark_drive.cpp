@@ -138,6 +138,7 @@ LandmarkCourse MakeLandmarkCourse(PassedKind kind, double diameter_m, bool downs
   }
   course.network = builder.Take();
   course.start = {"in", downstream ? kBehind_m : in_m - kBehind_m, downstream, 0.0, 0.0};
+  course.half_length_m = edge_m;
   course.end_x_m = edge_m + kRunOut_m;
   return course;
 }
@@ -177,7 +178,7 @@ LandmarkDrive DrivePast(const robot::Description& description, const LandmarkCou
       const auto lies = attitude.Update(*inertial, reading->captured_at);
       // Across a manhole there is no round wall to lean on: hold the heading of its entry.
       const bool across =
-          IsManhole(course.kind) && std::abs(X_WB.translation().x()) < course.end_x_m - kRunOut_m;
+          IsManhole(course.kind) && std::abs(X_WB.translation().x()) < course.half_length_m;
       const double passed_s = last_s ? robot::Seconds(reading->captured_at) - *last_s : 0.0;
       last_s = robot::Seconds(reading->captured_at);
       heading_rad = across ? heading_rad + lies.yaw_rate_rad_s * passed_s : 0.0;

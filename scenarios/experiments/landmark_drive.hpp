@@ -30,7 +30,8 @@ struct LandmarkCourse {
   perception::LaserStatus status{};  ///< what Table 5.3 calls it
   network::Network network;
   sim::StartPose start;
-  double end_x_m{};  ///< of the laser: all is passed there
+  double half_length_m{};  ///< of the landmark: an inlet's or a shaft's radius
+  double end_x_m{};        ///< of the laser: all is passed there
 };
 
 /// @param downstream  whether the robot drives the way the pipes are drawn
@@ -68,7 +69,7 @@ struct LandmarkDrive {
 
 /// Drives past at 15 cm/s on the twin, physics, wheels and sensors and all, without cameras.
 /// Steering keeps the roll that was asked for by what the inertial unit says, as the executive
-/// does.
+/// does, and across a manhole the heading: which of both, the robot's true place tells.
 /// @param hear  gets every reading in its order
 /// @param grips  what walls of each material are like; without it all are dry plastic to infrared
 /// sensors. Wheels find `conditions.wheel_friction` on any.

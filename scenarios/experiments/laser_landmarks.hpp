@@ -23,14 +23,14 @@ struct LaserPass {
 /// What one method made of it.
 struct LaserPassOutcome {
   std::vector<perception::PassedLandmark> passed;
-  bool recognised{};                ///< that one landmark and no other; of joints, none
+  bool recognised{};  ///< that one landmark, its middle inside of it, and no other; of joints, none
   std::optional<double> error_m{};  ///< of its middle along the pipe, where it was recognised
 };
 
 /// Draws pass `index` of a set: "reproduction" is the thesis' 300 mm (fig 5.26), upright and with
 /// the scanner on the axis; "stress" is 250 to 350 mm, the scanner up to 20 mm off the axis, the
-/// robot up to 5° up the wall, started up to 4° askew, wet or dry, inlets up to half an hour off 3
-/// and 9 o'clock. Kinds take turns.
+/// robot up to 5° up the wall, started up to 4° askew, on wheels of any grip, inlets up to half an
+/// hour off 3 and 9 o'clock. Kinds take turns.
 [[nodiscard]] LaserPass DrawLaserPass(const std::string& set, std::size_t index,
                                       std::uint64_t seed);
 

@@ -97,13 +97,13 @@ cv::Mat Draw(Scene scene, double camera_m) {
   return grey;
 }
 
-RangedLandmark FindIn(const Scene& scene) {
+RangedLandmark FindIn(const Scene& scene, double far_m = 1.0) {
   std::vector<InletSight> sights;
   for (const double camera_m : {-0.16, -0.08, 0.0})
     sights.push_back({LogBrightness(Draw(scene, camera_m)), {}, -camera_m});
   const robot::Camera& camera = Robot().front_camera;
   return InletSearch(camera, LampsBefore(Robot(), camera), {2.0 * kPipe_m, 2.0 * kBranch_m}, false,
-                     0.25)
+                     0.25, far_m)
       .Find(sights);
 }
 
@@ -146,6 +146,8 @@ TEST(InletSearch, TakesNoDarkStainForAMouth) {
     EXPECT_NEAR(FindIn(scene).distance_m, 0.6, 0.02) << paint;
   }
 }
+
+TEST(InletSearch, LooksNoFartherThanItIsTold) { EXPECT_LT(FindIn(Scene{}, 0.5).distance_m, 0.55); }
 
 // By hand: the camera on the axis sees the mouth's middle, at 45 degrees, along a ray that meets
 // the far wall of the branch one branch radius behind the mouth's middle and as much farther out.

@@ -158,12 +158,31 @@ TEST(LandmarkDistance, AnswersByTheLastPicturesThatAreGood) {
 
 // What was seen of the manhole from inside it tells nothing, but spoils nothing.
 TEST(LandmarkDistance, StatesANumberAfterDrivingBack) {
-  auto asked =
-      MakeMonoDistance(Robot(), Shipped(LandmarkMethod::kOurs), LandmarkKind::kManhole, kSizes);
-  asked->Add({PipeWithJoint(0.2), {}, 0.4});
-  const LandmarkAnswer answer = asked->Update({PipeWithJoint(0.6), {}, 0.0});
-  EXPECT_TRUE(std::isfinite(answer.distance_m));
-  EXPECT_GT(answer.deviation_m, 0.0);
+  for (const double back_m : {0.4, 0.85, 1.0, 1.3, 2.0}) {
+    for (const LandmarkKind kind :
+         {LandmarkKind::kManhole, LandmarkKind::kJoint, LandmarkKind::kInletLeft}) {
+      auto asked = MakeMonoDistance(Robot(), Shipped(LandmarkMethod::kOurs), kind, kSizes);
+      asked->Add({PipeWithJoint(0.9), {}, back_m});
+      const LandmarkAnswer answer = asked->Update({PipeWithJoint(0.6), {}, 0.0});
+      EXPECT_TRUE(std::isfinite(answer.distance_m)) << back_m;
+      EXPECT_TRUE(std::isfinite(answer.deviation_m)) << back_m;
+      EXPECT_GT(answer.deviation_m, 0.0) << back_m;
+    }
+  }
+}
+
+// The parameter file takes 50 mm, where disparities are 666 px.
+TEST(LandmarkDistance, LooksForWhatIsNearAsFarAsItCan) {
+  for (const LandmarkMethod method : {LandmarkMethod::kThesis, LandmarkMethod::kOurs}) {
+    LandmarkParameters parameters = Shipped(method);
+    parameters.near_m = 0.05;
+    const cv::Mat good = PipeWithJoint(0.7)(cv::Rect(0, 0, 640, 480)).clone();
+    for (const LandmarkKind kind :
+         {LandmarkKind::kManhole, LandmarkKind::kJoint, LandmarkKind::kInletLeft}) {
+      auto pair = MakeStereoDistance(Robot(), parameters, kind, kSizes);
+      EXPECT_NO_THROW((void)pair->Update({good, good, 0.0}));
+    }
+  }
 }
 
 TEST(LandmarkDistance, SaysThatAPictureIsBlankOrSaturated) {
