@@ -130,7 +130,9 @@ RangedLandmark InletSearch::Find(const std::vector<InletSight>& sights) const {
     if (refined.log_odds > best.log_odds) best = refined;
   }
   best = Refine(best, [&](const Place& place) { return Outline(smooth, place); });
-  return {best.distance_m, std::hypot(kDeviation_m, Likeliest(tried).deviation_m)};
+  const RangedLandmark likeliest = Likeliest(tried);
+  return {best.distance_m,
+          std::hypot(kDeviation_m, likeliest.deviation_m, best.distance_m - likeliest.distance_m)};
 }
 
 std::vector<InletSearch::Place> InletSearch::BestApart(std::vector<Place> places) {
@@ -235,7 +237,7 @@ BranchMouth InletSearch::MouthIn(const InletSight& sight, const Place& place) co
           {sight.pose.off_m + place.off_m, sight.pose.lean},
           sight.right_m,
           place.distance_m + sight.ahead_m,
-          place.angle_rad};
+          place.angle_rad + sight.roll_rad};
 }
 
 InletSearch::Samples InletSearch::Take(const std::vector<InletSight>& smooth,

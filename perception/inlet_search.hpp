@@ -17,6 +17,7 @@ namespace kantaro::perception {
 struct InletSight {
   cv::Mat log_brightness;  ///< as LogBrightness makes it
   WallPose pose;           ///< before this camera
+  double roll_rad{};       ///< of the wall against the last picture's, clockwise
   double ahead_m{};        ///< of where distances count from, along the axis
   double right_m{};        ///< of the camera, from the one whose lamps are known
 };

@@ -53,8 +53,11 @@ class Refiner {
     if (x.tail<4>() != pose_) Stand(x.tail<4>());
     double sum = 0.0;
     for (std::size_t k = 0; k < sights_.size(); ++k)
-      sum += fit_.Compare(points_[k], {std::exp(x[0]) + sights_[k].ahead_m, channel_, x[1]}, false)
-                 .Misfit();
+      sum +=
+          fit_.Compare(points_[k],
+                       {std::exp(x[0]) + sights_[k].ahead_m, channel_, x[1] + sights_[k].roll_rad},
+                       false)
+              .Misfit();
     return sum / static_cast<double>(sights_.size()) +
            kPoseMisfit * (std::pow(x[1] / kUsualRoll_rad, 2.0) +
                           x.segment<2>(2).squaredNorm() / (kUsualLean * kUsualLean) +
@@ -142,7 +145,8 @@ RangedLandmark FindMouth(const MouthFit& fit, const std::vector<MouthSight>& sig
          {Channel::kStraight, Channel::kEnds, Channel::kLeft, Channel::kRight}) {
       double misfit = 0.0;
       for (std::size_t k = 0; k < sights.size(); ++k)
-        misfit += fit.Compare(coarse[k], {d + sights[k].ahead_m, channel, 0.0}, true).Misfit();
+        misfit += fit.Compare(coarse[k], {d + sights[k].ahead_m, channel, sights[k].roll_rad}, true)
+                      .Misfit();
       if (misfit >= least) continue;
       least = misfit;
       likeliest = channel;

@@ -12,6 +12,7 @@ namespace kantaro::perception {
 struct MouthSight {
   cv::Mat log_brightness;
   WallPose pose;
+  double roll_rad{};  ///< of the wall against the last picture's, clockwise
   double ahead_m{};  ///< added to a distance from the last left picture, the distance from this one
   double right_m{};  ///< of the camera from the left one
 };

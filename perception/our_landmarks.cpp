@@ -42,8 +42,9 @@ LandmarkTracker::LandmarkTracker(const robot::Description& description, const ro
 }
 
 void LandmarkTracker::Add(const cv::Mat& brightness, const cv::Mat& right, double travel_m) {
-  if (!right.empty()) sights_.push_back({{}, LogBrightness(right), travel_m, baseline_m_, {}, {}});
-  sights_.push_back({brightness.clone(), LogBrightness(brightness), travel_m, 0.0, {}, {}});
+  if (!right.empty())
+    sights_.push_back({{}, LogBrightness(right), travel_m, baseline_m_, {}, {}, {}});
+  sights_.push_back({brightness.clone(), LogBrightness(brightness), travel_m, 0.0, {}, {}, {}});
   const std::size_t most = kPicturesOfApproach * (right.empty() ? 1 : 2);
   if (sights_.size() > most)
     sights_.erase(sights_.begin(), sights_.end() - static_cast<std::ptrdiff_t>(most));
@@ -64,7 +65,9 @@ RangedLandmark LandmarkTracker::Answer() {
 
 void LandmarkTracker::Scan() {
   for (Sight& sight : sights_) {
-    sight.pose = SeenFrom(motion_.pose, sight.right_m);
+    const double travel_m = sight.travel_m - sights_.back().travel_m;
+    sight.pose = SeenFrom(motion_.PoseAt(travel_m), sight.right_m);
+    sight.roll_rad = motion_.SwayAt(travel_m).roll_rad;
     if (sight.right_m != 0.0) sight.pose.lean.x() += motion_.turned_px / camera_.focal_px;
     if (scan_) sight.rings = scan_->Scan(sight.log_brightness, sight.pose);
   }
@@ -73,7 +76,7 @@ void LandmarkTracker::Scan() {
 /// How far what is at a distance from the last left picture is from where another one was taken.
 double LandmarkTracker::Ahead(const Sight& sight, double distance_m) const {
   return distance_m + motion_.travel_scale * (sights_.back().travel_m - sight.travel_m) -
-         sight.right_m * motion_.pose.lean.x();
+         sight.right_m * sight.pose.lean.x();
 }
 
 RangedLandmark LandmarkTracker::FindJoint() const {
@@ -85,14 +88,16 @@ RangedLandmark LandmarkTracker::FindJoint() const {
 RangedLandmark LandmarkTracker::FindMouth() const {
   std::vector<MouthSight> sights;
   for (const Sight& sight : sights_)
-    sights.push_back({sight.log_brightness, sight.pose, Ahead(sight, 0.0), sight.right_m});
+    sights.push_back(
+        {sight.log_brightness, sight.pose, sight.roll_rad, Ahead(sight, 0.0), sight.right_m});
   return perception::FindMouth(*mouth_, sights, parameters_.near_m, parameters_.far_m);
 }
 
 RangedLandmark LandmarkTracker::FindInlet() const {
   std::vector<InletSight> sights;
   for (const Sight& sight : sights_)
-    sights.push_back({sight.log_brightness, sight.pose, Ahead(sight, 0.0), sight.right_m});
+    sights.push_back(
+        {sight.log_brightness, sight.pose, sight.roll_rad, Ahead(sight, 0.0), sight.right_m});
   return inlet_->Find(sights);
 }
 

@@ -38,6 +38,7 @@ class LandmarkTracker {
     double travel_m{};
     double right_m{};         ///< of the camera from the left one
     WallPose pose;            ///< before this camera
+    double roll_rad{};        ///< of the wall against the last picture's, clockwise
     RingScan::Scanned rings;  ///< if a joint is looked for
   };
 

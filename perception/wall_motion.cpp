@@ -14,12 +14,22 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr int kParameters = 6;  // off x, off y, lean x, lean y, travel scale, turned
+constexpr int kFixed = 6, kOfSway = 5, kPowers = std::tuple_size_v<decltype(WallMotion::sway)>;
+/// Off x, off y, lean x, lean y, travel scale, turned; of each power off, lean and roll.
+constexpr int kParameters = kFixed + kOfSway * kPowers;
 using Vector = Eigen::Matrix<double, kParameters, 1>;
 using Matrix = Eigen::Matrix<double, kParameters, kParameters>;
+using Swayed = Eigen::Matrix<double, kOfSway, 1>;
 
-/// Of the pose where it starts, odometry's 1 % and the stereo calibration.
-const Vector kPrior = (Vector() << 0.008, 0.008, 0.025, 0.025, 0.012, 0.6).finished();
+/// Of the pose where it starts, odometry's 1 %, the stereo calibration, and how a robot sways on a
+/// power of a metre.
+const Vector kPrior = [] {
+  Vector prior;
+  prior.head<kFixed>() << 0.008, 0.008, 0.025, 0.025, 0.012, 0.6;
+  prior.tail<kOfSway * kPowers>().reshaped(kOfSway, kPowers).colwise() =
+      (Swayed() << 0.008, 0.004, 0.040, 0.015, 0.080).finished();
+  return prior;
+}();
 constexpr double kSmallStep = 0.02;    ///< of those deviations
 constexpr double kCorrelated = 100.0;  ///< samples that say the same, or are wrong alike
 constexpr double kOutlier = 6.0;       ///< deviations
@@ -119,11 +129,21 @@ struct Speck {
   Vector3d p_C{Vector3d::Zero()};
 };
 
+WallMotion MotionOf(const Vector& x) {
+  WallMotion motion{{x.head<2>(), x.segment<2>(2)}, x[4], x[5], {}};
+  for (int n = 0; n < kPowers; ++n) {
+    const Swayed swayed = x.segment<kOfSway>(kFixed + n * kOfSway);
+    motion.sway[n] = {{swayed.head<2>(), swayed.segment<2>(2)}, swayed[4]};
+  }
+  return motion;
+}
+
 /// Where a sight was taken, for one set of parameters.
 struct Stand {
   PipeWall wall;
-  double ahead_m;   ///< how much farther from it the wall is than from the last
-  double travel_m;  ///< the same by odometry
+  Eigen::Rotation2Dd turn;  ///< of the wall in the picture
+  double ahead_m;           ///< how much farther from it the wall is than from the last
+  double travel_m;          ///< odometry, from the last: not above 0
   bool right;
 };
 
@@ -221,13 +241,14 @@ std::vector<Comparison::Group> Comparison::Groups(bool neighbours) const {
 }
 
 std::vector<Stand> Comparison::Stands(const Vector& x) const {
+  const WallMotion motion = MotionOf(x);
   std::vector<Stand> stands;
   for (const WallSight& sight : sights_) {
-    const PipeWall wall(camera_, radius_m_,
-                        SeenFrom({x.head<2>(), x.segment<2>(2)}, sight.right_m));
-    const double travel_m = sights_.back().travel_m - sight.travel_m;
-    stands.push_back(
-        {wall, x[4] * travel_m - sight.right_m * wall.Along().x(), travel_m, sight.right_m != 0.0});
+    const double travel_m = sight.travel_m - sights_.back().travel_m;
+    const PipeWall wall(camera_, radius_m_, SeenFrom(motion.PoseAt(travel_m), sight.right_m));
+    stands.push_back({wall, Eigen::Rotation2Dd(motion.SwayAt(travel_m).roll_rad),
+                      -motion.travel_scale * travel_m - sight.right_m * wall.Along().x(), travel_m,
+                      sight.right_m != 0.0});
   }
   return stands;
 }
@@ -236,9 +257,9 @@ std::vector<Speck> Comparison::Look(const Vector& x) const {
   std::vector<Speck> specks(points_.size() * sights_.size());
   const std::vector<Stand> stands = Stands(x);
   for (std::size_t k = 0; k < stands.size(); ++k) {
-    const auto& [wall, ahead_m, travel_m, right] = stands[k];
+    const auto& [wall, turn, ahead_m, travel_m, right] = stands[k];
     for (std::size_t i = 0; i < points_.size(); ++i) {
-      const WallPoint& point = points_[i];
+      const WallPoint point{points_[i].distance_m, turn * points_[i].direction};
       const Vector3d p_C = wall.PointAt(point.distance_m + ahead_m, point.direction);
       if (p_C.z() <= 0.0) continue;
       const double px_m = camera_.focal_px / p_C.z();
@@ -262,16 +283,21 @@ std::vector<Speck> Comparison::Look(const Vector& x) const {
 /// all sights: a shift of the whole wall along the axis.
 Vector Comparison::Slope(const Stand& stand, const WallPoint& point, const Vector3d& p_C,
                          double along, double around) const {
-  const Vector3d axis = stand.wall.Along(), out = stand.wall.Outward(point.direction);
+  const Vector3d axis = stand.wall.Along(), out = stand.wall.Outward(stand.turn * point.direction);
   const Vector3d side = axis.cross(out);
   // Nothing changes along the ray.
   const double outwards = -(along * p_C.dot(axis) + around * p_C.dot(side)) / p_C.dot(out);
   const Vector3d across = around * side + outwards * out, from_axis = radius_m_ * out;
-  Vector slope;
-  slope << across.head<2>(),
+  Swayed swayed;  // off, lean and roll
+  swayed << across.head<2>(),
       (p_C.z() - from_axis.z()) * across.head<2>() - along * axis.z() * from_axis.head<2>(),
-      stand.travel_m * along,
+      around * radius_m_;
+  Vector slope;
+  slope.head<kFixed>() << swayed.head<4>(), -stand.travel_m * along,
       stand.right ? (along * axis.x() + across.x()) * p_C.z() / camera_.focal_px : 0.0;
+  double power = 1.0;
+  for (int n = 0; n < kPowers; ++n)
+    slope.segment<kOfSway>(kFixed + n * kOfSway) = (power *= stand.travel_m) * swayed;
   return slope;
 }
 
@@ -371,22 +397,39 @@ bool Align(const Comparison& comparison, int passes, const Vector& first, Vector
 
 }  // namespace
 
+WallSway WallMotion::SwayAt(double travel_m) const {
+  WallSway changed;
+  double power = 1.0;
+  for (const WallSway& one : sway) {
+    power *= travel_m;
+    changed.pose.off_m += power * one.pose.off_m;
+    changed.pose.lean += power * one.pose.lean;
+    changed.roll_rad += power * one.roll_rad;
+  }
+  return changed;
+}
+
+WallPose WallMotion::PoseAt(double travel_m) const {
+  const WallPose changed = SwayAt(travel_m).pose;
+  return {pose.off_m + changed.off_m, pose.lean + changed.lean};
+}
+
 WallPose SeenFrom(const WallPose& pose, double right_m) {
   return {{pose.off_m.x() - right_m, pose.off_m.y()}, pose.lean};
 }
 
 WallMotion FollowWall(const robot::Camera& camera, double pipe_radius_m,
                       const std::vector<WallSight>& sights, const WallPose& start) {
-  const WallMotion unmoved{start, 1.0, 0.0};
+  const WallMotion unmoved{start, 1.0, 0.0, {}};
   if (sights.size() < 2) return unmoved;
-  Vector first;
-  first << start.off_m, start.lean, 1.0, 0.0;
+  Vector first = Vector::Zero();
+  first.head<5>() << start.off_m, start.lean, 1.0;
   Vector x = first;
   for (const Level& level : kLevels) {
     const Comparison comparison(camera, pipe_radius_m, sights, level);
     if (!Align(comparison, level.passes, first, &x)) return unmoved;
   }
-  return {{{x[0], x[1]}, {x[2], x[3]}}, x[4], x[5]};
+  return MotionOf(x);
 }
 
 }  // namespace kantaro::perception

@@ -30,7 +30,12 @@ constexpr double kPipe_m = 8.0;
 constexpr double kNearest_m = 0.3, kFarthestRing_m = 1.5, kFarthestInlet_m = 0.8;
 /// Longer than the farthest view: no nearer joint is then ahead. Below 2 m, as the thesis says.
 constexpr double kShortestLength_m = 1.60, kLongestLength_m = 1.95;
-constexpr double kDimmed = 1.0 / 8.0;                ///< as scenarios have it
+constexpr double kDimmed = 1.0 / 8.0;  ///< as scenarios have it
+/// In the twin the robot swings by so much: rms 0.8 to 2.6 degrees of roll and 0.4 to 1.1 of
+/// heading in a metre of straight pipe on route 2, in waves of 2 to 4 m, about a line above the
+/// invert.
+constexpr double kMostSwing_deg = 2.0, kMostHeading_deg = 1.0;
+constexpr double kShortestWave_m = 2.0, kLongestWave_m = 4.0, kSwingArm_m = 0.08;
 constexpr double kLongestExposure_s = 1.001 / 60.0;  ///< a field of NTSC video
 
 double Radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
@@ -113,6 +118,19 @@ double ChainageOf(const LandmarkSewer& sewer, const ViewPlan& plan, double pipe_
   if (plan.kind == LandmarkKind::kManhole) return pipe_end_m;
   if (plan.kind == LandmarkKind::kJoint) return sewer.pipe().joints.at(plan.landmark).chainage_m;
   return sewer.pipe().inlets.at(plan.landmark).chainage_m;
+}
+
+/// How it lay when the travel to the last picture was still ahead.
+ViewPlan Before(ViewPlan plan, double travel_m) {
+  const auto swing = [&](double most_rad, double phase_rad) {
+    const double wave_rad = 2.0 * std::numbers::pi * travel_m / plan.weave.length_m;
+    return most_rad * (std::sin(phase_rad + wave_rad) - std::sin(phase_rad));
+  };
+  const double roll_rad = swing(plan.weave.roll_rad, plan.weave.roll_phase_rad);
+  plan.roll_rad += roll_rad;
+  plan.off_y_m += kSwingArm_m * roll_rad;  // up the wall to the left, it leans to the right
+  plan.yaw_rad += swing(plan.weave.yaw_rad, plan.weave.yaw_phase_rad);
+  return plan;
 }
 
 /// Those of the pipe's joints or inlets that a view may be of.
@@ -203,6 +221,12 @@ ViewPlan DrawView(const LandmarkSewer& sewer, ViewPurpose purpose, ViewSet set, 
   plan.speed_m_s = random.Uniform(0.0, 0.15);  // thesis 5.6: up to 15 cm/s
   plan.odometry_error = random.Normal(0.01);
   plan.between_m = random.Uniform(0.06, 0.12);  // two to four pictures at 15 cm/s and 5 Hz
+  if (set == ViewSet::kField) return plan;
+  plan.weave.length_m = random.Uniform(kShortestWave_m, kLongestWave_m);
+  plan.weave.roll_rad = random.Uniform(0.0, Radians(kMostSwing_deg));
+  plan.weave.roll_phase_rad = random.Uniform(-std::numbers::pi, std::numbers::pi);
+  plan.weave.yaw_rad = random.Uniform(0.0, Radians(kMostHeading_deg));
+  plan.weave.yaw_phase_rad = random.Uniform(-std::numbers::pi, std::numbers::pi);
   return plan;
 }
 
@@ -236,15 +260,16 @@ class LandmarkStage::Impl {
     for (int before = count - 1; before >= 0; --before) {
       const double travel_m = -before * plan.between_m;
       const std::string noise = fmt::format("{}.picture.{}", stream, before);
+      const ViewPlan then = Before(plan, travel_m);
       LandmarkPicture picture;
       picture.travel_m = travel_m * (1.0 + plan.odometry_error);
       if (cameras == ViewCameras::kFront) {
-        const cv::Mat raw = Shoot(front_, plan, at_m + travel_m, seed, noise);
+        const cv::Mat raw = Shoot(front_, then, at_m + travel_m, seed, noise);
         picture.image = front_rectifier_.Rectify(perception::Brightness(raw));
       } else {
         const robot::StereoPair pair = stereo_rectifier_.Rectify(
-            {perception::Brightness(Shoot(left_, plan, at_m + travel_m, seed, noise)),
-             perception::Brightness(Shoot(right_, plan, at_m + travel_m, seed, noise))});
+            {perception::Brightness(Shoot(left_, then, at_m + travel_m, seed, noise)),
+             perception::Brightness(Shoot(right_, then, at_m + travel_m, seed, noise))});
         picture.image = pair.left;
         picture.right = pair.right;
       }

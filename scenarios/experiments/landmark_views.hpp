@@ -28,7 +28,16 @@ enum class ViewCameras { kFront, kStereo };
 /// Names the random streams of one sewer and all views in it.
 [[nodiscard]] std::string StreamOf(ViewPurpose purpose, ViewSet set, std::size_t sewer);
 
-/// What is ahead, and how the robot looks at it: all that is drawn for one view.
+/// How a robot sways as it drives: its wheels climb the wall to one side and the other, and its
+/// heading swings.
+struct Weave {
+  double length_m{1.0};  ///< of travel, from one swing to the next of the same side
+  double roll_rad{}, roll_phase_rad{};
+  double yaw_rad{}, yaw_phase_rad{};
+};
+
+/// What is ahead, and how the robot looks at it: all that is drawn for one view. How it lies is
+/// meant for the last picture.
 struct ViewPlan {
   perception::LandmarkKind kind{};
   std::size_t landmark{};       ///< among the joints or inlets of the pipe
@@ -39,6 +48,7 @@ struct ViewPlan {
   double speed_m_s{};                         ///< blurs the picture
   double odometry_error{};                    ///< share by which odometry counts too much
   double between_m{};                         ///< travel from one picture to the next
+  Weave weave;
 };
 
 /// A sewer made for views, as a function of these alone: a pipe with joints and inlets to either

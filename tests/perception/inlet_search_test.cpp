@@ -100,7 +100,7 @@ cv::Mat Draw(Scene scene, double camera_m) {
 RangedLandmark FindIn(const Scene& scene, double far_m = 1.0) {
   std::vector<InletSight> sights;
   for (const double camera_m : {-0.16, -0.08, 0.0})
-    sights.push_back({LogBrightness(Draw(scene, camera_m)), {}, -camera_m});
+    sights.push_back({LogBrightness(Draw(scene, camera_m)), {}, 0.0, -camera_m});
   const robot::Camera& camera = Robot().front_camera;
   return InletSearch(camera, LampsBefore(Robot(), camera), {2.0 * kPipe_m, 2.0 * kBranch_m}, false,
                      0.25, far_m)

@@ -28,7 +28,7 @@ RangedLandmark Find(PipeView view, const WallPose& pose = {}) {
   std::vector<MouthSight> sights;
   for (const double behind_m : {0.16, 0.08, 0.0}) {
     view.camera_ahead_m = -behind_m;
-    sights.push_back({Rooted(view), pose, behind_m});
+    sights.push_back({Rooted(view), pose, 0.0, behind_m});
   }
   return FindMouth(fit, sights, 0.25, 1.7);
 }

@@ -54,6 +54,40 @@ TEST(WallMotion, FindsByHowMuchTheRightCameraIsTurned) {
   EXPECT_NEAR(motion.pose.off_m.x(), 0.0, 0.002);
 }
 
+// The robot swings along a wave of 3 m: half a degree of heading, 2 mm aside, a degree of roll. One
+// pose for all pictures would be off by 6 mm at 1 m.
+TEST(WallMotion, FollowsARobotThatSways) {
+  const robot::Camera camera = FrontCamera();
+  const auto swing = [](double travel_m) { return std::sin(0.6 + 2.0 * CV_PI * travel_m / 3.0); };
+  const auto yaw_rad = [&](double travel_m) { return 0.009 * swing(travel_m); };
+  const auto right_m = [&](double travel_m) { return -0.002 * swing(travel_m); };
+  const auto roll_rad = [&](double travel_m) { return 0.0175 * (swing(travel_m) - swing(0.0)); };
+  PipeView view;
+  view.texture = 0.2;
+  std::vector<WallSight> sights;
+  for (const double travel_m : {-0.32, -0.24, -0.16, -0.08, 0.0}) {
+    view.camera_ahead_m = travel_m;
+    view.yaw_rad = yaw_rad(travel_m);
+    view.camera_right_m = right_m(travel_m);
+    // A robot that rolls clockwise sees the wall turn the other way, as OpenCV's angles count.
+    const cv::Mat turn =
+        cv::getRotationMatrix2D(cv::Point2d(camera.center_x_px, camera.center_y_px),
+                                roll_rad(travel_m) * 180.0 / CV_PI, 1.0);
+    cv::Mat rolled;
+    cv::warpAffine(LogOf(view), rolled, turn, {camera.width_px, camera.height_px}, cv::INTER_LINEAR,
+                   cv::BORDER_REFLECT);
+    sights.push_back({rolled, travel_m, 0.0});
+  }
+  const WallMotion motion = FollowWall(camera, view.radius_m, sights, {});
+  for (const double travel_m : {-0.32, -0.16, 0.0}) {
+    const WallPose pose = motion.PoseAt(travel_m);
+    const Eigen::Vector2d ahead_m = pose.off_m + 1.0 * pose.lean;
+    EXPECT_NEAR(ahead_m.x(), -right_m(travel_m) - yaw_rad(travel_m), 0.0015) << travel_m;
+    EXPECT_NEAR(ahead_m.y(), 0.0, 0.0015) << travel_m;
+    EXPECT_NEAR(motion.SwayAt(travel_m).roll_rad, -roll_rad(travel_m), 0.002) << travel_m;
+  }
+}
+
 // The noise of a dimmed lamp: a step must not be short because noise's slopes pass for texture's.
 // The start is as far off as the fall of light of a stained wall puts it: 24 mm to the left and 24
 // mm down at 0.7 m.
