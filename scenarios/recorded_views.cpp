@@ -14,7 +14,6 @@ namespace {
 using perception::LandmarkKind;
 using robot::RecordedEstimate;
 
-constexpr double kNearest_m = 0.3, kFarthestRing_m = 1.5, kFarthestInlet_m = 0.8;
 constexpr double kBetween_m = 0.10, kMostDeviation_m = 0.03;
 
 std::vector<RecordedEstimate> EstimatesOf(const std::filesystem::path& file) {
@@ -104,7 +103,7 @@ std::vector<LandmarkAhead> LandmarksAhead(const navigation::MapLeg& leg, const n
   add(LandmarkKind::kManhole, length_m - at_m, 0.0);
   std::erase_if(ahead, [](const LandmarkAhead& one) {
     const bool inlet = one.sizes.inlet_diameter_m > 0.0;
-    return one.distance_m < kNearest_m ||
+    return one.distance_m < kNearestView_m ||
            one.distance_m > (inlet ? kFarthestInlet_m : kFarthestRing_m);
   });
   return ahead;

@@ -18,6 +18,9 @@ namespace kantaro::scenarios {
 /// The field is the thesis' own case at its mildest: three pipes in which the method was also
 /// calibrated, the robot standing straight, nothing farther than 0.8 m.
 enum class ViewSet { kReproduction, kStress, kField };
+/// How far landmarks are ahead.
+inline constexpr double kNearestView_m = 0.3, kFarthestRing_m = 1.5, kFarthestInlet_m = 0.8;
+
 /// Calibration sees training views, experiments test views; no pose or noise is in both, and but
 /// for the field no sewer and texture.
 enum class ViewPurpose { kTraining, kTest };
