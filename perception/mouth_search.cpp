@@ -28,7 +28,7 @@ constexpr int kPasses = 2, kRounds = 3;
 constexpr double kShorter = 0.6;  ///< each pass, and each round's first
 constexpr std::array kAround{0.94, 0.97, 1.0, 1.03, 1.06};
 /// Misfit by which a pose counts that is off by what is usual.
-constexpr double kPoseMisfit = 0.001, kUsualRoll_rad = 0.06, kUsualLean = 0.003,
+constexpr double kPoseMisfit = 0.001, kUsualRoll_rad = 0.06, kUsualLean = 0.005,
                  kUsualOff_m = 0.002;
 constexpr double kTogether_m = 0.05, kElsewhere = 0.1;  ///< share of the distance
 constexpr double kDeviation = 0.012;                    ///< of a distance found, as a share
