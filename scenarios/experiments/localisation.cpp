@@ -19,6 +19,7 @@
 #include "robot/rectifier.hpp"
 #include "scenarios/experiments/landmark_views.hpp"
 #include "scenarios/experiments/localisation_plot.hpp"
+#include "scenarios/experiments/localisation_requirements.hpp"
 #include "scenarios/experiments/stereo_methods.hpp"
 #include "scenarios/experiments/wilson.hpp"
 #include "scenarios/landmark_calibration.hpp"
@@ -238,47 +239,6 @@ void AddRows(const Trial& trial, const char* set, const char* method,
     rows.push_back(RowOf(set, method, group.first, group.second, members));
 }
 
-struct Requirement {
-  const char* set;
-  const char* condition;
-  const char* key;
-  double least, most;
-};
-/// Of `ours`, all landmarks together.
-constexpr std::array<Requirement, 6> kRequired{{
-    {"reproduction", "all", "within_5cm", 0.99, 1.0},
-    {"stress", "all", "within_5cm", 0.97, 1.0},
-    {"reproduction", "up to 1.0 m", "within_2cm", 0.95, 1.0},
-    {"stress", "up to 1.0 m", "within_2cm", 0.95, 1.0},
-    {"reproduction", "all", "in_stated_interval", 0.90, 0.98},
-    {"stress", "all", "in_stated_interval", 0.90, 0.98},
-}};
-
-bool Asks(const Requirement& required, const Json& row) {
-  return row.at("method") == "ours" && row.at("landmark") == "all" &&
-         row.at("set") == required.set && row.at("condition") == required.condition;
-}
-
-bool IsMet(const Requirement& required, const Json& row) {
-  const Json& value = row.at(required.key);
-  return value.is_number() && value.get<double>() >= required.least &&
-         value.get<double>() <= required.most;
-}
-
-bool Fails(const Json& row) {
-  return std::ranges::any_of(kRequired, [&](const Requirement& required) {
-    return Asks(required, row) && !IsMet(required, row);
-  });
-}
-
-/// What no row tells is not met: so few views may have none up to 1.0 m.
-bool AllMet(const Json& rows) {
-  return std::ranges::all_of(kRequired, [&](const Requirement& required) {
-    return std::ranges::any_of(
-        rows, [&](const Json& row) { return Asks(required, row) && IsMet(required, row); });
-  });
-}
-
 Json ThesisRows(const Trial& trial) {
   const auto row = [&](const char* landmark, std::size_t views, double rate) {
     return Json{{"section", trial.table},
@@ -396,7 +356,7 @@ Json Run(const Trial& trial, const ExperimentOptions& options) {
   const Json result{
       {"experiment", trial.name},
       {"seed", options.seed},
-      {"passed", !Wanted(options, "ours") || AllMet(rows)},
+      {"passed", !Wanted(options, "ours") || MeetsRequirements(rows)},
       {"rows", rows},
       {"thesis", ThesisRows(trial)},
       {"point_keys",
@@ -407,21 +367,17 @@ Json Run(const Trial& trial, const ExperimentOptions& options) {
   return result;
 }
 
-std::string Percent(const Json& row, const char* key) {
-  return row.at(key).is_null() ? "–" : fmt::format("{:.1f} %", 100.0 * row.at(key).get<double>());
-}
-
 std::string WithInterval(const Json& row, const char* key) {
   const Json& interval = row.at(std::string(key) + "_interval");
-  return fmt::format("{} ({:.1f} to {:.1f})", Percent(row, key), 100.0 * interval[0].get<double>(),
-                     100.0 * interval[1].get<double>());
+  return fmt::format("{} ({:.1f} to {:.1f})", PercentText(row, key),
+                     100.0 * interval[0].get<double>(), 100.0 * interval[1].get<double>());
 }
 
 std::string Millimetres(const Json& row) {
   const Json& error = row.at("mean_error_m");
   if (error.is_null()) return "–";
   const std::string text = fmt::format("{:.1f} mm", 1000.0 * error.get<double>());
-  return row.at("answered") == 1.0 ? text : text + " of " + Percent(row, "answered");
+  return row.at("answered") == 1.0 ? text : text + " of " + PercentText(row, "answered");
 }
 
 std::string Table(const Json& result) {
@@ -434,10 +390,10 @@ std::string Table(const Json& result) {
         "{:<13} {:<7} {:<8} {:<18} {:>5} {:>8} {:>24} {:>24} {:>10} {:>10} {:>5.1f} ms{}\n",
         row.at("set").get<std::string>(), row.at("method").get<std::string>(),
         row.at("landmark").get<std::string>(), row.at("condition").get<std::string>(),
-        row.at("views").get<std::size_t>(), Percent(row, "answered"),
+        row.at("views").get<std::size_t>(), PercentText(row, "answered"),
         WithInterval(row, "within_2cm"), WithInterval(row, "within_5cm"), Millimetres(row),
-        Percent(row, "in_stated_interval"), row.at("time_ms").get<double>(),
-        Fails(row) ? "  FAIL" : "");
+        PercentText(row, "in_stated_interval"), row.at("time_ms").get<double>(),
+        FailsRequirement(row) ? "  FAIL" : "");
   }
   return text + fmt::format("{} seed {}: {}\n", result.at("experiment").get<std::string>(),
                             result.at("seed").get<std::uint64_t>(),
@@ -474,21 +430,9 @@ std::string Chapter(const Json& result) {
                     row.at("landmark").get<std::string>(), row.at("condition").get<std::string>(),
                     row.at("views").get<std::size_t>(), WithInterval(row, "within_2cm"),
                     WithInterval(row, "within_5cm"), Beside(result, row), Millimetres(row),
-                    Percent(row, "in_stated_interval"), row.at("time_ms").get<double>());
+                    PercentText(row, "in_stated_interval"), row.at("time_ms").get<double>());
   }
-  std::string required_text;
-  for (const Requirement& required : kRequired) {
-    for (const Json& row : result.at("rows")) {
-      if (!Asks(required, row)) continue;
-      required_text += fmt::format("- {}, {}: `{}` {:.0f} to {:.0f} %: {}, {}\n", required.set,
-                                   required.condition, required.key, 100.0 * required.least,
-                                   100.0 * required.most, Percent(row, required.key),
-                                   IsMet(required, row) ? "met" : "**not met**");
-    }
-  }
-  if (!required_text.empty())
-    text += "\nRequired of `ours`, all landmarks together:\n\n" + required_text;
-  return text;
+  return text + RequirementsText(result.at("rows"));
 }
 
 Json RunMono(const ExperimentOptions& options) { return Run(kMono, options); }
