@@ -21,8 +21,8 @@ constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 /// Where the axis may be, against the pose found: known best some way ahead, where texture passes.
 constexpr double kAxisError_m = 0.0035, kSurest_m = 1.2, kLeastError_px = 0.35;
-/// A robot that leans looks like one that sways, but for how far off the wall close by is: what is
-/// then left to doubt turns the axis about this distance.
+/// On its way, a robot that leans looks like one that sways, but for how far off the wall close by
+/// is: what is then left to doubt turns the axis about this distance.
 constexpr double kLeanError = 0.004, kPivot_m = 0.6;
 constexpr int kFarthestCenter_px = 8;
 constexpr double kUnlikely = 4.5;  ///< deviations
@@ -329,11 +329,13 @@ RangedLandmark FindJoint(const std::vector<JointSight>& sights, double near_m, d
   const RingScan::Scanned& last = sights.back().rings;
   const std::vector<double> widths = LineWidths(last);
   const Rows contrasts = Together(sights, widths);
+  const double lean_error =
+      sights.size() > 2 ? kLeanError : 0.0;  // not one camera's or pair's look
   std::vector<double> axis_error_px;
   for (int k = 0; k < contrasts.cols; ++k) {
     const double distance_m = last.DistanceOf(std::max(k, 1 - last.first_px));
     axis_error_px.push_back(
-        std::hypot(kLeastError_px, last.focal_px * kLeanError * (1.0 - kPivot_m / distance_m),
+        std::hypot(kLeastError_px, last.focal_px * lean_error * (1.0 - kPivot_m / distance_m),
                    last.focal_px * kAxisError_m * (1.0 / distance_m - 1.0 / kSurest_m)));
   }
   const std::vector<Signs> signs = Search(contrasts, axis_error_px);
