@@ -1,5 +1,6 @@
 #include "perception/joint_search.hpp"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,11 +20,7 @@ constexpr int kMargin_px = 13;
 constexpr double kGroove_m = 0.012;
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-/// Where the axis may be, against the pose found: known best some way ahead, where texture passes.
-constexpr double kAxisError_m = 0.0035, kSurest_m = 1.2, kLeastError_px = 0.35;
-/// On its way, a robot that leans looks like one that sways, but for how far off the wall close by
-/// is: what is then left to doubt turns the axis about this distance.
-constexpr double kLeanError = 0.004, kPivot_m = 0.6;
+constexpr double kLeastError_px = 0.35;  ///< of where a ring is, were the axis known
 constexpr int kFarthestCenter_px = 8;
 constexpr double kUnlikely = 4.5;  ///< deviations
 
@@ -253,7 +250,8 @@ float LogMean(const std::vector<std::vector<float>>& logs, int k) {
   return most + std::log(sum / static_cast<float>(logs.size()));
 }
 
-std::vector<Signs> Search(const Rows& contrasts, const std::vector<double>& axis_error_px) {
+/// @param axis  of where the axis is seen at each column: inverse covariances [1/px²]
+std::vector<Signs> Search(const Rows& contrasts, const std::vector<Eigen::Matrix2d>& axis) {
   static const Evidence evidence;
   const std::size_t models = RingModels().size();
   const int columns = contrasts.cols;
@@ -272,8 +270,9 @@ std::vector<Signs> Search(const Rows& contrasts, const std::vector<double>& axis
   std::vector<Signs> signs(static_cast<std::size_t>(columns));
   std::vector<std::vector<float>> wall(models, std::vector<float>(signs.size())), invert = wall;
   for (const Center& center : Centers()) {
-    const double off_px = std::hypot(center.offset.x, center.offset.y);
-    const auto possible = [&](int k) { return off_px <= kUnlikely * axis_error_px[k]; };
+    const Eigen::Vector2d off_px(center.offset.x, center.offset.y);
+    const auto against = [&](int k) { return 0.5 * off_px.dot(axis[k] * off_px); };
+    const auto possible = [&](int k) { return against(k) <= 0.5 * kUnlikely * kUnlikely; };
     int begin = kFarthestCenter_px, end = columns - kFarthestCenter_px;
     while (begin < end && !possible(begin)) ++begin;
     while (end > begin && !possible(end - 1)) --end;
@@ -287,8 +286,7 @@ std::vector<Signs> Search(const Rows& contrasts, const std::vector<double>& axis
       }
     }
     for (int k = begin; k < end; ++k) {
-      const Signs here{LogMean(wall, k), LogMean(invert, k),
-                       0.5 * std::pow(off_px / axis_error_px[k], 2.0), &center};
+      const Signs here{LogMean(wall, k), LogMean(invert, k), against(k), &center};
       const Signs& best = signs[k];
       if (here.wall + here.invert - here.against_center >
           best.wall + best.invert - best.against_center)
@@ -325,20 +323,20 @@ void ExplainWhatIsBehind(std::vector<TriedDistance>& tried) {
 
 }  // namespace
 
-RangedLandmark FindJoint(const std::vector<JointSight>& sights, double near_m, double far_m) {
+RangedLandmark FindJoint(const std::vector<JointSight>& sights, const PoseDoubt& doubt,
+                         double near_m, double far_m) {
   const RingScan::Scanned& last = sights.back().rings;
   const std::vector<double> widths = LineWidths(last);
   const Rows contrasts = Together(sights, widths);
-  const double lean_error =
-      sights.size() > 2 ? kLeanError : 0.0;  // not one camera's or pair's look
-  std::vector<double> axis_error_px;
+  std::vector<Eigen::Matrix2d> axis;
   for (int k = 0; k < contrasts.cols; ++k) {
     const double distance_m = last.DistanceOf(std::max(k, 1 - last.first_px));
-    axis_error_px.push_back(
-        std::hypot(kLeastError_px, last.focal_px * lean_error * (1.0 - kPivot_m / distance_m),
-                   last.focal_px * kAxisError_m * (1.0 / distance_m - 1.0 / kSurest_m)));
+    const Eigen::Matrix2d covariance_px2 =
+        std::pow(last.focal_px, 2.0) * doubt.OfAxisAt(distance_m) +
+        std::pow(kLeastError_px, 2.0) * Eigen::Matrix2d::Identity();
+    axis.push_back(covariance_px2.inverse());
   }
-  const std::vector<Signs> signs = Search(contrasts, axis_error_px);
+  const std::vector<Signs> signs = Search(contrasts, axis);
   std::vector<TriedDistance> tried;
   for (int k = contrasts.cols - 1; k >= 0; --k) {
     const double distance_m = last.DistanceOf(k);

@@ -4,6 +4,7 @@
 
 #include "perception/ring_scan.hpp"
 #include "perception/tried_distance.hpp"
+#include "perception/wall_pose.hpp"
 
 namespace kantaro::perception {
 
@@ -21,7 +22,8 @@ struct JointSight {
 /// plain ring farther off says nothing against a faint one: it may be a manhole's mouth behind the
 /// joint.
 /// @param sights  at least one; the last is the one that distances count from
-[[nodiscard]] RangedLandmark FindJoint(const std::vector<JointSight>& sights, double near_m,
-                                       double far_m);
+/// @param doubt   of the pose by which the pictures were unrolled: so far aside a ring may be
+[[nodiscard]] RangedLandmark FindJoint(const std::vector<JointSight>& sights,
+                                       const PoseDoubt& doubt, double near_m, double far_m);
 
 }  // namespace kantaro::perception

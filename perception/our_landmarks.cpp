@@ -82,7 +82,7 @@ double LandmarkTracker::Ahead(const Sight& sight, double distance_m) const {
 RangedLandmark LandmarkTracker::FindJoint() const {
   std::vector<JointSight> sights;
   for (const Sight& sight : sights_) sights.push_back({sight.rings, Ahead(sight, 0.0)});
-  return perception::FindJoint(sights, parameters_.near_m, parameters_.far_m);
+  return perception::FindJoint(sights, motion_.doubt, parameters_.near_m, parameters_.far_m);
 }
 
 RangedLandmark LandmarkTracker::FindMouth() const {

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
-#include <opencv2/imgproc.hpp>
+#include <map>
+#include <optional>
 #include <utility>
+
+#include "perception/wall_texture.hpp"
 
 namespace kantaro::perception {
 namespace {
@@ -27,91 +29,31 @@ const Vector kPrior = [] {
   Vector prior;
   prior.head<kFixed>() << 0.008, 0.008, 0.025, 0.025, 0.012, 0.6;
   prior.tail<kOfSway * kPowers>().reshaped(kOfSway, kPowers).colwise() =
-      (Swayed() << 0.008, 0.004, 0.040, 0.015, 0.080).finished();
+      (Swayed() << 0.008, 0.004, 0.040, 0.010, 0.080).finished();
   return prior;
 }();
-constexpr double kSmallStep = 0.02;    ///< of those deviations
-constexpr double kCorrelated = 100.0;  ///< samples that say the same, or are wrong alike
-constexpr double kOutlier = 6.0;       ///< deviations
-constexpr double kLeastNoise = 0.01;   ///< of a texture's scatter
+constexpr double kSmallStep = 0.02;   ///< of those deviations
+constexpr double kCorrelated = 25.0;  ///< samples that say the same, or are wrong alike
+constexpr double kOutlier = 2.2;      ///< deviations
+constexpr double kLeastNoise = 0.01;  ///< of a texture's scatter
 constexpr std::size_t kFewest = 100;
-constexpr double kLowest = 0.75;  ///< of the wall below the axis, in radii: water lies under it
 constexpr double kFarthest_m = 1.1, kNearest_m = 0.22;
 constexpr int kMargin_px = 2;
-constexpr float kFlat = 1e-5F;  ///< variance of log brightness where there is no texture
 
 /// From smooth to sharp. At first neighbours only are compared: what lies farther apart has moved
 /// by more than the texture is wide.
 struct Level {
-  int shrink;         ///< pixels of a picture, to either side, in one of the texture's
-  double smooth_px;   ///< of the texture's
-  double between_px;  ///< rings of points, in the picture
-  int directions;
+  TextureScale scale;
+  int apart_px;  ///< places that are compared, in the texture
   int passes;
   bool neighbours;
 };
 constexpr std::array<Level, 3> kLevels{
-    {{4, 1.4, 8.0, 48, 12, true}, {4, 1.0, 6.0, 72, 10, false}, {2, 1.0, 4.0, 96, 10, false}}};
+    {{{2, 1.4}, 3, 12, true}, {{2, 1.0}, 3, 10, false}, {{1, 1.0}, 3, 10, false}}};
 
-struct WallPoint {
-  double distance_m;
-  Vector2d direction;
-};
-
-std::vector<WallPoint> PointsOnWall(double ring_px_m, const Level& level) {
-  std::vector<WallPoint> points;
-  for (double r = ring_px_m / kFarthest_m; r < ring_px_m / kNearest_m; r += level.between_px) {
-    for (int i = 0; i < level.directions; ++i) {
-      const double a = 2.0 * std::numbers::pi * i / level.directions;
-      if (std::sin(a) < kLowest) points.push_back({ring_px_m / r, {std::cos(a), std::sin(a)}});
-    }
-  }
-  return points;
-}
-
-/// Texture without the fall of light, in deviations: less a mean over the neighbourhood, of such
-/// weights that a quadratic leaves nothing. The light stays with the robot; what is left of it
-/// would too. So would a manhole's edges, far stronger than any texture, if contrast counted as it
-/// is.
-cv::Mat Texture(const cv::Mat& log_brightness, const Level& level) {
-  const cv::Size size = log_brightness.size() / level.shrink;
-  cv::Mat small, texture;
-  cv::resize(log_brightness({{0, 0}, size * level.shrink}), small, size, 0, 0, cv::INTER_AREA);
-  cv::GaussianBlur(small, texture, {}, level.smooth_px);
-  const auto odd = [&](double sizes) {
-    return 2 * static_cast<int>(sizes * level.smooth_px / 2.0) + 1;
-  };
-  const auto mean = [](const cv::Mat& of, int width_px) {
-    cv::Mat result;
-    cv::blur(of, result, {width_px, width_px});
-    return result;
-  };
-  const auto spread = [](int width_px) { return (width_px * width_px - 1) / 12.0; };
-  const int near = odd(12.0), far = odd(17.0);
-  const double far_weight =
-      (level.smooth_px * level.smooth_px - spread(near)) / (spread(far) - spread(near));
-  texture -= (1.0 - far_weight) * mean(small, near) + far_weight * mean(small, far);
-  cv::Mat scatter;
-  cv::sqrt(mean(texture.mul(texture), near) + kFlat, scatter);
-  return texture / scatter;
-}
-
-/// Value and gradient between pixels.
-struct Taken {
-  double value, dx, dy;
-};
-Taken Take(const cv::Mat& picture, const cv::Point2d& p) {
-  const int x = static_cast<int>(p.x), y = static_cast<int>(p.y);
-  const double fx = p.x - x, fy = p.y - y;
-  const float *row = picture.ptr<float>(y) + x, *next = picture.ptr<float>(y + 1) + x;
-  const double a = row[0], b = row[1], c = next[0], d = next[1];
-  const double top = a + fx * (b - a), bottom = c + fx * (d - c);
-  return {top + fy * (bottom - top), (b - a) * (1.0 - fy) + (d - c) * fy, bottom - top};
-}
-
-bool Inside(const cv::Mat& picture, const cv::Point2d& p) {
-  return p.x >= kMargin_px && p.y >= kMargin_px && p.x < picture.cols - kMargin_px - 1 &&
-         p.y < picture.rows - kMargin_px - 1;
+bool Inside(const robot::Camera& camera, const cv::Point2d& p) {
+  return p.x >= kMargin_px && p.y >= kMargin_px && p.x < camera.width_px - kMargin_px - 1 &&
+         p.y < camera.height_px - kMargin_px - 1;
 }
 
 double Median(std::vector<double>& values) {
@@ -119,6 +61,14 @@ double Median(std::vector<double>& values) {
   std::nth_element(values.begin(), middle, values.end());
   if (values.size() % 2 == 1) return *middle;
   return 0.5 * (*middle + *std::max_element(values.begin(), middle));
+}
+
+/// Which part of the wall: such as to the left, 0.5 m ahead.
+int PatchOf(const WallPlace& place) {
+  constexpr double kLength_m = 0.08;
+  const auto& u = place.direction;
+  const int side = std::abs(u.x()) > std::abs(u.y()) ? (u.x() > 0.0 ? 0 : 1) : u.y() > 0.0 ? 2 : 3;
+  return 4 * static_cast<int>(place.distance_m / kLength_m) + side;
 }
 
 /// A point of the wall in one sight.
@@ -130,7 +80,7 @@ struct Speck {
 };
 
 WallMotion MotionOf(const Vector& x) {
-  WallMotion motion{{x.head<2>(), x.segment<2>(2)}, x[4], x[5], {}};
+  WallMotion motion{{x.head<2>(), x.segment<2>(2)}, x[4], x[5], {}, {}};
   for (int n = 0; n < kPowers; ++n) {
     const Swayed swayed = x.segment<kOfSway>(kFixed + n * kOfSway);
     motion.sway[n] = {{swayed.head<2>(), swayed.segment<2>(2)}, swayed[4]};
@@ -138,27 +88,36 @@ WallMotion MotionOf(const Vector& x) {
   return motion;
 }
 
+/// How much farther from the wall than the last the farthest sight was taken.
+double Behind(const std::vector<WallSight>& sights) {
+  constexpr double kMost_m = 1.0;  // nothing that is seen from there comes into this
+  double first_m = sights.back().travel_m;
+  for (const WallSight& sight : sights) first_m = std::min(first_m, sight.travel_m);
+  return std::min(kMost_m, sights.back().travel_m - first_m);
+}
+
 /// Where a sight was taken, for one set of parameters.
 struct Stand {
-  PipeWall wall;
-  Eigen::Rotation2Dd turn;  ///< of the wall in the picture
-  double ahead_m;           ///< how much farther from it the wall is than from the last
-  double travel_m;          ///< odometry, from the last: not above 0
+  WallSighting sighting;
+  double travel_m;  ///< odometry, from the last
   bool right;
 };
 
 /// Compares one level of all sights.
 class Comparison {
  public:
+  /// @param around  parameters by which the wall is unrolled: those asked for later are close
   Comparison(const robot::Camera& camera, double radius_m, const std::vector<WallSight>& sights,
-             const Level& level)
+             const Level& level, const Vector& around)
       : camera_(camera),
         radius_m_(radius_m),
         sights_(sights),
-        shrink_(level.shrink),
-        points_(PointsOnWall(camera.focal_px * radius_m, level)),
-        groups_(Groups(level.neighbours)) {
-    for (const WallSight& sight : sights) textures_.push_back(Texture(sight.log_brightness, level));
+        grid_(camera.focal_px * radius_m, Behind(sights), kNearest_m, kFarthest_m, level.scale),
+        places_(grid_.Places(level.apart_px)),
+        groups_(Groups(level.neighbours)),
+        unrolled_(Stands(around)) {
+    for (std::size_t k = 0; k < sights.size(); ++k)
+      textures_.push_back(grid_.Texture(sights[k].log_brightness, unrolled_[k].sighting));
   }
 
   /// All points in all sights, those of a point after each other.
@@ -166,7 +125,7 @@ class Comparison {
 
   struct Equations {
     std::size_t samples{};
-    double noise{};
+    std::vector<double> noise;  ///< of each place's patch
     Matrix normal{Matrix::Zero()};
     Vector right{Vector::Zero()};
   };
@@ -182,17 +141,19 @@ class Comparison {
 
   [[nodiscard]] std::vector<Group> Groups(bool neighbours) const;
   [[nodiscard]] std::vector<Stand> Stands(const Vector& x) const;
-  [[nodiscard]] Vector Slope(const Stand& stand, const WallPoint& point, const Vector3d& p_C,
+  [[nodiscard]] Vector Slope(const Stand& stand, const WallPlace& place, const Vector3d& p_C,
                              double along, double around) const;
-  [[nodiscard]] double Noise(const std::vector<Speck>& specks, std::size_t* samples) const;
+  [[nodiscard]] std::vector<double> Noise(const std::vector<Speck>& specks,
+                                          std::size_t* samples) const;
 
   /// Calls use(point, its specks in all sights, those compared as pairs of sight and weight, their
   /// mean).
   template <typename Use>
-  void ForEachGroup(const std::vector<Speck>& specks, double noise, const Use& use) const {
+  void ForEachGroup(const std::vector<Speck>& specks, const std::vector<double>& noise,
+                    const Use& use) const {
     std::vector<double> values;
     std::vector<std::pair<std::size_t, double>> weights;
-    for (std::size_t i = 0; i < points_.size(); ++i) {
+    for (std::size_t i = 0; i < places_.size(); ++i) {
       const Speck* of_point = &specks[i * sights_.size()];
       for (const Group& group : groups_) {
         values.clear();
@@ -204,7 +165,7 @@ class Comparison {
         double sum = 0.0, mean = 0.0;
         for (const std::size_t k : group) {
           if (!of_point[k].seen) continue;
-          const double scaled = (of_point[k].value - middle) / (kOutlier * noise);
+          const double scaled = (of_point[k].value - middle) / (kOutlier * noise[i]);
           const double root = 1.0 + scaled * scaled;
           weights.emplace_back(k, 1.0 / (root * root));
           sum += weights.back().second;
@@ -218,9 +179,10 @@ class Comparison {
   const robot::Camera& camera_;
   double radius_m_;
   const std::vector<WallSight>& sights_;
-  double shrink_;
-  std::vector<WallPoint> points_;
+  WallGrid grid_;
+  std::vector<WallPlace> places_;
   std::vector<Group> groups_;
+  std::vector<Stand> unrolled_;
   std::vector<cv::Mat> textures_;
 };
 
@@ -245,35 +207,31 @@ std::vector<Stand> Comparison::Stands(const Vector& x) const {
   std::vector<Stand> stands;
   for (const WallSight& sight : sights_) {
     const double travel_m = sight.travel_m - sights_.back().travel_m;
+    const bool right = sight.right_m != 0.0;
     const PipeWall wall(camera_, radius_m_, SeenFrom(motion.PoseAt(travel_m), sight.right_m));
-    stands.push_back({wall, Eigen::Rotation2Dd(motion.SwayAt(travel_m).roll_rad),
-                      -motion.travel_scale * travel_m - sight.right_m * wall.Along().x(), travel_m,
-                      sight.right_m != 0.0});
+    stands.push_back({{wall, Eigen::Rotation2Dd(motion.SwayAt(travel_m).roll_rad),
+                       -motion.travel_scale * travel_m - sight.right_m * wall.Along().x(),
+                       right ? motion.turned_px : 0.0},
+                      travel_m,
+                      right});
   }
   return stands;
 }
 
 std::vector<Speck> Comparison::Look(const Vector& x) const {
-  std::vector<Speck> specks(points_.size() * sights_.size());
+  std::vector<Speck> specks(places_.size() * sights_.size());
   const std::vector<Stand> stands = Stands(x);
   for (std::size_t k = 0; k < stands.size(); ++k) {
-    const auto& [wall, turn, ahead_m, travel_m, right] = stands[k];
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      const WallPoint point{points_[i].distance_m, turn * points_[i].direction};
-      const Vector3d p_C = wall.PointAt(point.distance_m + ahead_m, point.direction);
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      const Vector3d p_C = stands[k].sighting.PointAt(places_[i]);
       if (p_C.z() <= 0.0) continue;
-      const double px_m = camera_.focal_px / p_C.z();
-      const double shift_px = 0.5 + (right ? x[5] : 0.0);
-      const cv::Point2d at((camera_.center_x_px + px_m * p_C.x() + shift_px) / shrink_ - 0.5,
-                           (camera_.center_y_px + px_m * p_C.y() + 0.5) / shrink_ - 0.5);
-      if (!Inside(textures_[k], at)) continue;
-      const Taken taken = Take(textures_[k], at);
-      const Vector3d slope_C =
-          px_m / shrink_ *
-          Vector3d(taken.dx, taken.dy, -(taken.dx * p_C.x() + taken.dy * p_C.y()) / p_C.z());
-      specks[i * sights_.size() + k] = {
-          true, taken.value, slope_C.dot(wall.Along()),
-          slope_C.dot(wall.Along().cross(wall.Outward(point.direction))), p_C};
+      const cv::Point2d pixel = stands[k].sighting.PixelOf(p_C);
+      WallGrid::Sample sample;
+      if (!Inside(camera_, pixel) ||
+          !grid_.Take(textures_[k], unrolled_[k].sighting.PlaceAt(pixel), &sample))
+        continue;
+      specks[i * sights_.size() + k] = {true, sample.value, sample.along, sample.around / radius_m_,
+                                        p_C};
     }
   }
   return specks;
@@ -281,9 +239,10 @@ std::vector<Speck> Comparison::Look(const Vector& x) const {
 
 /// How a speck's brightness in its sight changes with the parameters, but for what is the same in
 /// all sights: a shift of the whole wall along the axis.
-Vector Comparison::Slope(const Stand& stand, const WallPoint& point, const Vector3d& p_C,
+Vector Comparison::Slope(const Stand& stand, const WallPlace& place, const Vector3d& p_C,
                          double along, double around) const {
-  const Vector3d axis = stand.wall.Along(), out = stand.wall.Outward(stand.turn * point.direction);
+  const Vector3d axis = stand.sighting.wall.Along(),
+                 out = stand.sighting.wall.Outward(stand.sighting.turn * place.direction);
   const Vector3d side = axis.cross(out);
   // Nothing changes along the ray.
   const double outwards = -(along * p_C.dot(axis) + around * p_C.dot(side)) / p_C.dot(out);
@@ -301,15 +260,32 @@ Vector Comparison::Slope(const Stand& stand, const WallPoint& point, const Vecto
   return slope;
 }
 
-double Comparison::Noise(const std::vector<Speck>& specks, std::size_t* samples) const {
-  std::vector<double> sizes;
-  ForEachGroup(specks, HUGE_VAL,
-               [&](std::size_t, const Speck* seen, const auto& weights, double mean) {
-                 for (const auto& [k, weight] : weights)
-                   sizes.push_back(std::abs(seen[k].value - mean));
+/// By patches of wall: what is none, such as a manhole that the camera sees into, differs at any
+/// pose, and does so by itself.
+std::vector<double> Comparison::Noise(const std::vector<Speck>& specks,
+                                      std::size_t* samples) const {
+  std::map<int, std::vector<double>> patches;
+  std::vector<double> all;
+  ForEachGroup(specks, std::vector<double>(places_.size(), HUGE_VAL),
+               [&](std::size_t i, const Speck* seen, const auto& weights, double mean) {
+                 for (const auto& [k, weight] : weights) {
+                   all.push_back(std::abs(seen[k].value - mean));
+                   patches[PatchOf(places_[i])].push_back(all.back());
+                 }
                });
-  *samples = sizes.size();
-  return sizes.empty() ? kLeastNoise : std::max(kLeastNoise, 1.4826 * Median(sizes));
+  *samples = all.size();
+  const auto of = [](std::vector<double>& sizes) {
+    return sizes.empty() ? kLeastNoise : std::max(kLeastNoise, 1.4826 * Median(sizes));
+  };
+  const double usual = of(all);
+  std::map<int, double> noise;
+  for (auto& [patch, sizes] : patches) noise[patch] = sizes.size() < kFewest ? usual : of(sizes);
+  std::vector<double> of_places;
+  for (const WallPlace& place : places_) {
+    const auto found = noise.find(PatchOf(place));
+    of_places.push_back(found == noise.end() ? usual : found->second);
+  }
+  return of_places;
 }
 
 Comparison::Equations Comparison::Linearise(const Vector& x,
@@ -329,21 +305,19 @@ Comparison::Equations Comparison::Linearise(const Vector& x,
                  Vector mean_slope = Vector::Zero();
                  double sum = 0.0;
                  for (const auto& [k, weight] : weights) {
-                   slopes.push_back(Slope(stands[k], points_[i], seen[k].p_C, along, around));
+                   slopes.push_back(Slope(stands[k], places_[i], seen[k].p_C, along, around));
                    mean_slope += weight * slopes.back();
                    sum += weight;
                  }
                  mean_slope /= sum;
+                 const double scale = 1.0 / (equations.noise[i] * equations.noise[i] * kCorrelated);
                  for (std::size_t n = 0; n < weights.size(); ++n) {
                    const auto& [k, weight] = weights[n];
                    const Vector slope = slopes[n] - mean_slope;
-                   equations.normal += weight * slope * slope.transpose();
-                   equations.right -= weight * (seen[k].value - mean) * slope;
+                   equations.normal += scale * weight * slope * slope.transpose();
+                   equations.right -= scale * weight * (seen[k].value - mean) * slope;
                  }
                });
-  const double scale = 1.0 / (equations.noise * equations.noise * kCorrelated);
-  equations.normal *= scale;
-  equations.right *= scale;
   return equations;
 }
 
@@ -351,9 +325,9 @@ double Comparison::Misfit(const std::vector<Speck>& specks, const Equations& at)
   double sum = 0.0;
   std::size_t samples = 0;
   ForEachGroup(specks, at.noise,
-               [&](std::size_t, const Speck* seen, const auto& weights, double mean) {
+               [&](std::size_t i, const Speck* seen, const auto& weights, double mean) {
                  for (const auto& [k, weight] : weights) {
-                   const double scaled = (seen[k].value - mean) / (kOutlier * at.noise);
+                   const double scaled = (seen[k].value - mean) / (kOutlier * at.noise[i]);
                    sum += scaled * scaled / (1.0 + scaled * scaled);
                  }
                  samples += weights.size();
@@ -363,20 +337,23 @@ double Comparison::Misfit(const std::vector<Speck>& specks, const Equations& at)
   return kOutlier * kOutlier * count * sum / kCorrelated;
 }
 
-/// Levenberg and Marquardt: a step is taken if specks then differ less. Returns whether there was
-/// enough to compare.
-bool Align(const Comparison& comparison, int passes, const Vector& first, Vector* x) {
+/// Levenberg and Marquardt: a step is taken if specks then differ less. Returns the covariance that
+/// is left, nothing if there was not enough to compare.
+std::optional<Matrix> Align(const Comparison& comparison, int passes, const Vector& first,
+                            Vector* x) {
   const auto from_start = [&](const Vector& at) -> Vector {
     return (at - first).cwiseQuotient(kPrior);
   };
   std::vector<Speck> specks = comparison.Look(*x);
+  Matrix normal;
   double damping = 0.0;
   for (int pass = 0; pass < passes; ++pass) {
     Comparison::Equations equations = comparison.Linearise(*x, specks);
-    if (equations.samples < kFewest) return false;
-    equations.normal.diagonal() += kPrior.cwiseAbs2().cwiseInverse();
+    if (equations.samples < kFewest) return std::nullopt;
+    normal = equations.normal;
+    normal.diagonal() += kPrior.cwiseAbs2().cwiseInverse();
     equations.right -= from_start(*x).cwiseQuotient(kPrior);
-    Matrix damped = equations.normal;
+    Matrix damped = normal;
     damped.diagonal() *= 1.0 + damping;
     const Vector step = damped.ldlt().solve(equations.right);
     const Vector tried = *x + step;
@@ -392,7 +369,7 @@ bool Align(const Comparison& comparison, int passes, const Vector& first, Vector
     if (step.cwiseQuotient(kPrior).cwiseAbs().maxCoeff() < kSmallStep) break;
     damping = !better ? std::max(0.1, 5.0 * damping) : damping < 0.1 ? 0.0 : damping / 5.0;
   }
-  return true;
+  return normal.inverse();
 }
 
 }  // namespace
@@ -420,16 +397,19 @@ WallPose SeenFrom(const WallPose& pose, double right_m) {
 
 WallMotion FollowWall(const robot::Camera& camera, double pipe_radius_m,
                       const std::vector<WallSight>& sights, const WallPose& start) {
-  const WallMotion unmoved{start, 1.0, 0.0, {}};
+  const WallMotion unmoved{start, 1.0, 0.0, {}, DoubtOfLight()};
   if (sights.size() < 2) return unmoved;
   Vector first = Vector::Zero();
   first.head<5>() << start.off_m, start.lean, 1.0;
   Vector x = first;
+  std::optional<Matrix> covariance;
   for (const Level& level : kLevels) {
-    const Comparison comparison(camera, pipe_radius_m, sights, level);
-    if (!Align(comparison, level.passes, first, &x)) return unmoved;
+    covariance = Align({camera, pipe_radius_m, sights, level, x}, level.passes, first, &x);
+    if (!covariance) return unmoved;
   }
-  return MotionOf(x);
+  WallMotion motion = MotionOf(x);
+  motion.doubt.covariance = covariance->topLeftCorner<4, 4>();
+  return motion;
 }
 
 }  // namespace kantaro::perception

@@ -28,6 +28,7 @@ struct WallMotion {
   double travel_scale{1.0};      ///< true travel by that of odometry
   double turned_px{};            ///< by which the right camera's pictures are shifted to the right
   std::array<WallSway, 2> sway;  ///< on a metre, and on its square
+  PoseDoubt doubt;               ///< of the pose
 
   /// What has changed so much travel after the last picture: below 0 for those before it.
   [[nodiscard]] WallSway SwayAt(double travel_m) const;

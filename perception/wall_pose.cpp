@@ -76,6 +76,12 @@ double LogLight(const PipeWall& wall, const Vector3d& point_C,
 
 }  // namespace
 
+Eigen::Matrix2d PoseDoubt::OfAxisAt(double distance_m) const {
+  Eigen::Matrix<double, 2, 4> seen;
+  seen << Eigen::Matrix2d::Identity() / distance_m, Eigen::Matrix2d::Identity();
+  return seen * covariance * seen.transpose();
+}
+
 PipeWall::PipeWall(const robot::Camera& camera, double pipe_radius_m, const WallPose& pose)
     : focal_px_(camera.focal_px),
       center_px_(camera.center_x_px, camera.center_y_px),
@@ -86,8 +92,7 @@ PipeWall::PipeWall(const robot::Camera& camera, double pipe_radius_m, const Wall
       down_(along_.cross(right_)) {}
 
 cv::Point2d PipeWall::Project(double distance_m, const Vector2d& direction) const {
-  const Vector3d p = PointAt(distance_m, direction);
-  return center_px_ + focal_px_ / p.z() * cv::Point2d(p.x(), p.y());
+  return PixelOf(PointAt(distance_m, direction));
 }
 
 Vector3d PipeWall::PointAt(double distance_m, const Vector2d& direction) const {
@@ -104,6 +109,11 @@ Vector3d PipeWall::PointAt(const cv::Point2d& pixel) const {
   const double a = std::max(d.squaredNorm(), 1e-9), b = o.dot(d),
                c = o.squaredNorm() - radius_m_ * radius_m_;
   return (-b + std::sqrt(std::max(0.0, b * b - a * c))) / a * ray;
+}
+
+Vector2d PipeWall::DirectionOf(const Vector3d& point_C) const {
+  const Vector3d out = point_C - off_;
+  return Vector2d(out.dot(right_), out.dot(down_)).normalized();
 }
 
 Vector3d PipeWall::Inward(const Vector3d& point_C) const {
@@ -168,6 +178,16 @@ WallPose FindWallPose(const cv::Mat& brightness, const robot::Camera& camera,
     started = true;
   }
   return PoseOf(x);
+}
+
+PoseDoubt DoubtOfLight() {
+  constexpr double kOff_m = 0.004, kLean = 0.006, kTogether = -0.85;  // deviations, correlation
+  PoseDoubt doubt;
+  doubt.covariance << kOff_m * kOff_m * Eigen::Matrix2d::Identity(),
+      kTogether * kOff_m * kLean * Eigen::Matrix2d::Identity(),
+      kTogether * kOff_m * kLean * Eigen::Matrix2d::Identity(),
+      kLean * kLean * Eigen::Matrix2d::Identity();
+  return doubt;
 }
 
 std::vector<Vector3d> LampsBefore(const robot::Description& description,

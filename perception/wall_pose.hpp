@@ -15,6 +15,14 @@ struct WallPose {
   Eigen::Vector2d lean{Eigen::Vector2d::Zero()};  ///< tangents of the angles
 };
 
+/// What is in doubt of a pose.
+struct PoseDoubt {
+  Eigen::Matrix4d covariance;  ///< of off (right, down) and lean (right, down)
+
+  /// Covariance of where the axis is seen so far along it: tangents right and down.
+  [[nodiscard]] Eigen::Matrix2d OfAxisAt(double distance_m) const;
+};
+
 /// A round pipe's wall as a pinhole sees it.
 class PipeWall {
  public:
@@ -25,6 +33,10 @@ class PipeWall {
   [[nodiscard]] cv::Point2d Project(double distance_m, const Eigen::Vector2d& direction) const;
   /// Likewise, in the camera's frame.
   [[nodiscard]] Eigen::Vector3d PointAt(double distance_m, const Eigen::Vector2d& direction) const;
+  /// Where a point in the camera's frame is seen. @pre before the camera
+  [[nodiscard]] cv::Point2d PixelOf(const Eigen::Vector3d& point_C) const {
+    return center_px_ + focal_px_ / point_C.z() * cv::Point2d(point_C.x(), point_C.y());
+  }
   /// The wall's point that a pixel sees, in the camera's frame; far away along the axis itself.
   [[nodiscard]] Eigen::Vector3d PointAt(const cv::Point2d& pixel) const;
   /// Unit vectors in the camera's frame: of the axis, and from it in a direction (right, down).
@@ -32,6 +44,8 @@ class PipeWall {
   [[nodiscard]] Eigen::Vector3d Outward(const Eigen::Vector2d& direction) const {
     return direction.x() * right_ + direction.y() * down_;
   }
+  /// The direction (right, down) from the axis in which a point of the wall lies.
+  [[nodiscard]] Eigen::Vector2d DirectionOf(const Eigen::Vector3d& point_C) const;
   /// Unit vector from a point of the wall to the axis.
   [[nodiscard]] Eigen::Vector3d Inward(const Eigen::Vector3d& point_C) const;
 
@@ -53,6 +67,9 @@ class PipeWall {
 [[nodiscard]] WallPose FindWallPose(const cv::Mat& brightness, const robot::Camera& camera,
                                     const std::vector<Eigen::Vector3d>& p_CLamp,
                                     double pipe_radius_m, double camera_height_m);
+
+/// How well that is known, on views for training: best where the axis is some way ahead.
+[[nodiscard]] PoseDoubt DoubtOfLight();
 
 /// The lamps of a robot in a camera's rectified frame.
 [[nodiscard]] std::vector<Eigen::Vector3d> LampsBefore(const robot::Description& description,

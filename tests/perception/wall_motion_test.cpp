@@ -104,7 +104,13 @@ TEST(WallMotion, FindsThePoseFromFarInNoisyPictures) {
     sights.push_back({LogOf(view), ahead_m, 0.0});
   }
   const WallPose start{{-0.011, 0.003}, {-0.060, 0.030}};
-  const WallPose pose = FollowWall(FrontCamera(), view.radius_m, sights, start).pose;
+  const auto [pose, scale, turned, sway, doubt] =
+      FollowWall(FrontCamera(), view.radius_m, sights, start);
+  const Eigen::Vector2d seen = pose.off_m / 0.7 + pose.lean;
+  const Eigen::Matrix2d doubted = doubt.OfAxisAt(0.7);
+  EXPECT_LT(std::abs(seen.x() + 0.008 / 0.7 + 0.03), 3.0 * std::sqrt(doubted(0, 0)));
+  EXPECT_LT(std::abs(seen.y()), 3.0 * std::sqrt(doubted(1, 1)));
+  EXPECT_LT(std::sqrt(doubted.trace()), 0.004);
   for (const double ahead_m : {0.0, 0.7}) {
     const Eigen::Vector2d axis_m = pose.off_m + ahead_m * pose.lean;
     EXPECT_NEAR(axis_m.x(), -0.008 - 0.03 * ahead_m, 0.003) << ahead_m;
@@ -146,6 +152,7 @@ TEST(WallMotion, StaysWhereItIsWithoutASecondPicture) {
   EXPECT_EQ(motion.pose.off_m, start.off_m);
   EXPECT_EQ(motion.pose.lean, start.lean);
   EXPECT_EQ(motion.travel_scale, 1.0);
+  EXPECT_EQ(motion.doubt.covariance, DoubtOfLight().covariance);
 }
 
 }  // namespace
