@@ -19,7 +19,7 @@ constexpr double kNearby = 12.0, kFarther = 17.0;  ///< widths of means, in the 
 
 /// Wall that was farther off then is seen in less detail then: pictures taken later are sampled so
 /// much more finely, and averaged.
-constexpr int kFinerAlong = 4, kFinerAround = 2;
+constexpr int kFiner = 2;
 
 int OddWidth(double widths, double smooth_px) {
   return 2 * static_cast<int>(widths * smooth_px / 2.0) + 1;
@@ -86,12 +86,12 @@ cv::Mat WallGrid::Unroll(const cv::Mat& log_brightness, const WallSighting& sigh
     const cv::Size size = log_brightness.size() / shrink;
     cv::resize(log_brightness({{0, 0}, size * shrink}), picture, size, 0, 0, cv::INTER_AREA);
   }
-  cv::Mat from(rows_ * kFinerAround, columns_ * kFinerAlong, CV_32FC2);
+  cv::Mat from(rows_ * kFiner, columns_ * kFiner, CV_32FC2);
   std::vector<double> distances_m;
   for (int k = 0; k < from.cols; ++k)
-    distances_m.push_back(std::max(kLeast_m, DistanceAt((k + 0.5) / kFinerAlong - 0.5)));
+    distances_m.push_back(std::max(kLeast_m, DistanceAt((k + 0.5) / kFiner - 0.5)));
   for (int t = 0; t < from.rows; ++t) {
-    const double a = AngleAt((t + 0.5) / kFinerAround - 0.5);
+    const double a = AngleAt((t + 0.5) / kFiner - 0.5);
     const Vector3d beside = sighting.PointAt({0.0, {std::cos(a), std::sin(a)}});
     auto* const row = from.ptr<cv::Vec2f>(t);
     for (int k = 0; k < from.cols; ++k) {
