@@ -66,6 +66,11 @@ WallGrid::WallGrid(double ring_px_m, double behind_m, double near_m, double far_
   rows_ = std::max(1, static_cast<int>(std::lround(kTurn_rad * 0.5 * (smallest_px + largest_px))));
 }
 
+double WallGrid::DistanceAt(double column) const {
+  constexpr double kSmallest_px = 0.5;  // of a ring, where columns are padded beyond the axis
+  return ring_px_m_ / std::max(kSmallest_px, first_px_ + column) - behind_m_;
+}
+
 double WallGrid::AngleAt(double row) const { return kTurn_rad * row / rows_; }
 
 std::vector<WallPlace> WallGrid::Places(int apart_px) const {

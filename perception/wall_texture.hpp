@@ -60,9 +60,7 @@ class WallGrid {
   [[nodiscard]] bool Take(const cv::Mat& texture, const WallPlace& place, Sample* sample) const;
 
  private:
-  [[nodiscard]] double DistanceAt(double column) const {
-    return ring_px_m_ / (first_px_ + column) - behind_m_;
-  }
+  [[nodiscard]] double DistanceAt(double column) const;
   [[nodiscard]] double AngleAt(double row) const;
   [[nodiscard]] cv::Mat Unroll(const cv::Mat& log_brightness, const WallSighting& sighting) const;
 

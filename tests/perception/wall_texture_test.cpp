@@ -86,6 +86,16 @@ TEST(WallTexture, TakesSlopesAlongAndAround) {
   }
 }
 
+// A small camera far behind: what means reach over goes on beyond the axis.
+TEST(WallTexture, IsANumberWhereAPictureHardlyShowsAnything) {
+  robot::Camera camera = FrontCamera();
+  camera.focal_px = 100.0;
+  const WallGrid grid(camera.focal_px * 0.1, 1.0, kNear_m, 1.1, {2, 1.4});
+  const cv::Mat texture =
+      grid.Texture(LogOf(PipeView{}), {PipeWall(camera, 0.1, {}), Eigen::Rotation2Dd(0.0)});
+  EXPECT_TRUE(cv::checkRange(texture));
+}
+
 TEST(WallTexture, EndsWhereNothingWasUnrolled) {
   const WallGrid grid = Grid();
   const cv::Mat texture =
