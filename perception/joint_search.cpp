@@ -33,7 +33,8 @@ constexpr double kPlain = 14.4, kBehind_m = 0.25, kMostOfBehind = 40.0;
 constexpr double kRadiusError_px = 0.35, kGapError_m = 0.0025;
 
 /// What each sign says [log odds]: logistic regression among all columns of training views
-/// (docs/localisation.md). The line's width counts by its logarithm.
+/// (docs/localisation.md), with centres looked for as far aside as an earlier fit of the pose left
+/// in doubt. The line's width counts by its logarithm.
 constexpr double kWallWeight = 1.04, kInvertWeight = 1.29, kMostOfInvert = 8.0,
                  kCenterWeight = 1.73, kWidthWeight = -1.68;
 

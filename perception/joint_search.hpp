@@ -22,7 +22,9 @@ struct JointSight {
 /// plain ring farther off says nothing against a faint one: it may be a manhole's mouth behind the
 /// joint.
 /// @param sights  at least one; the last is the one that distances count from
-/// @param doubt   of the pose by which the pictures were unrolled: so far aside a ring may be
+/// @param doubt   of the pose by which the pictures were unrolled: so far aside a ring may be, up
+/// to
+///                8 px
 [[nodiscard]] RangedLandmark FindJoint(const std::vector<JointSight>& sights,
                                        const PoseDoubt& doubt, double near_m, double far_m);
 

@@ -36,20 +36,21 @@ constexpr double kSmallStep = 0.02;   ///< of those deviations
 constexpr double kCorrelated = 25.0;  ///< samples that say the same, or are wrong alike
 constexpr double kOutlier = 2.2;      ///< deviations
 constexpr double kLeastNoise = 0.01;  ///< of a texture's scatter
+constexpr double kTold = 0.5;  ///< of what was in doubt at first: more is left by an even wall
 constexpr std::size_t kFewest = 100;
 constexpr double kFarthest_m = 1.1, kNearest_m = 0.22;
 constexpr int kMargin_px = 2;
+constexpr int kApart_px = 3;  ///< places that are compared, in a texture
 
 /// From smooth to sharp. At first neighbours only are compared: what lies farther apart has moved
 /// by more than the texture is wide.
 struct Level {
   TextureScale scale;
-  int apart_px;  ///< places that are compared, in the texture
   int passes;
   bool neighbours;
 };
 constexpr std::array<Level, 3> kLevels{
-    {{{2, 1.4}, 3, 12, true}, {{2, 1.0}, 3, 10, false}, {{1, 1.0}, 3, 10, false}}};
+    {{{2, 1.4}, 12, true}, {{2, 1.0}, 10, false}, {{1, 1.0}, 10, false}}};
 
 bool Inside(const robot::Camera& camera, const cv::Point2d& p) {
   return p.x >= kMargin_px && p.y >= kMargin_px && p.x < camera.width_px - kMargin_px - 1 &&
@@ -90,7 +91,7 @@ WallMotion MotionOf(const Vector& x) {
 
 /// How much farther from the wall than the last the farthest sight was taken.
 double Behind(const std::vector<WallSight>& sights) {
-  constexpr double kMost_m = 1.0;  // nothing that is seen from there comes into this
+  constexpr double kMost_m = 1.0;  // the grid would be too coarse for all the others
   double first_m = sights.back().travel_m;
   for (const WallSight& sight : sights) first_m = std::min(first_m, sight.travel_m);
   return std::min(kMost_m, sights.back().travel_m - first_m);
@@ -106,16 +107,16 @@ struct Stand {
 /// Compares one level of all sights.
 class Comparison {
  public:
-  /// @param around  parameters by which the wall is unrolled: those asked for later are close
+  /// @param unrolled_by  parameters: those asked for later are close
   Comparison(const robot::Camera& camera, double radius_m, const std::vector<WallSight>& sights,
-             const Level& level, const Vector& around)
+             const Level& level, const Vector& unrolled_by)
       : camera_(camera),
         radius_m_(radius_m),
         sights_(sights),
         grid_(camera.focal_px * radius_m, Behind(sights), kNearest_m, kFarthest_m, level.scale),
-        places_(grid_.Places(level.apart_px)),
+        places_(grid_.Places(kApart_px)),
         groups_(Groups(level.neighbours)),
-        unrolled_(Stands(around)) {
+        unrolled_(Stands(unrolled_by)) {
     for (std::size_t k = 0; k < sights.size(); ++k)
       textures_.push_back(grid_.Texture(sights[k].log_brightness, unrolled_[k].sighting));
   }
@@ -226,12 +227,11 @@ std::vector<Speck> Comparison::Look(const Vector& x) const {
       const Vector3d p_C = stands[k].sighting.PointAt(places_[i]);
       if (p_C.z() <= 0.0) continue;
       const cv::Point2d pixel = stands[k].sighting.PixelOf(p_C);
-      WallGrid::Sample sample;
-      if (!Inside(camera_, pixel) ||
-          !grid_.Take(textures_[k], unrolled_[k].sighting.PlaceAt(pixel), &sample))
-        continue;
-      specks[i * sights_.size() + k] = {true, sample.value, sample.along, sample.around / radius_m_,
-                                        p_C};
+      if (!Inside(camera_, pixel)) continue;
+      const auto sample = grid_.Take(textures_[k], unrolled_[k].sighting.PlaceAt(pixel));
+      if (!sample) continue;
+      specks[i * sights_.size() + k] = {true, sample->value, sample->along,
+                                        sample->around / radius_m_, p_C};
     }
   }
   return specks;
@@ -408,8 +408,10 @@ WallMotion FollowWall(const robot::Camera& camera, double pipe_radius_m,
     if (!covariance) return unmoved;
   }
   WallMotion motion = MotionOf(x);
-  motion.doubt.covariance = covariance->topLeftCorner<4, 4>();
-  return motion;
+  motion.doubt = {covariance->topLeftCorner<4, 4>()};
+  const PoseDoubt first_doubt{kPrior.head<4>().cwiseAbs2().asDiagonal()};
+  const auto ahead = [](const PoseDoubt& of) { return of.OfAxisAt(kFarthest_m).trace(); };
+  return ahead(motion.doubt) < kTold * ahead(first_doubt) ? motion : unmoved;
 }
 
 }  // namespace kantaro::perception

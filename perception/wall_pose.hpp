@@ -17,7 +17,8 @@ struct WallPose {
 
 /// What is in doubt of a pose.
 struct PoseDoubt {
-  Eigen::Matrix4d covariance;  ///< of off (right, down) and lean (right, down)
+  Eigen::Matrix4d covariance{
+      Eigen::Matrix4d::Zero()};  ///< of off (right, down) and lean (right, down)
 
   /// Covariance of where the axis is seen so far along it: tangents right and down.
   [[nodiscard]] Eigen::Matrix2d OfAxisAt(double distance_m) const;

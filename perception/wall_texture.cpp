@@ -1,9 +1,12 @@
 #include "perception/wall_texture.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
+
+#include "perception/stereo/interpolation.hpp"
 
 namespace kantaro::perception {
 namespace {
@@ -25,13 +28,31 @@ int OddWidth(double widths, double smooth_px) {
   return 2 * static_cast<int>(widths * smooth_px / 2.0) + 1;
 }
 
+/// How far off a picture still comes into a texture: by its smoothing, the farther mean, and the
+/// mean of its scatter.
+int Reach(double smooth_px) {
+  return static_cast<int>(std::ceil(4.0 * smooth_px)) + OddWidth(kFarther, smooth_px) / 2 +
+         OddWidth(kNearby, smooth_px) / 2;
+}
+
+/// How much each of the pixels at -1, 0, 1 and 2 counts in between, and how that changes.
+struct Taps {
+  explicit Taps(double at) {
+    for (int k = 0; k < 4; ++k) {
+      weights[k] = stereo::KeysKernel(at - (k - 1));
+      slopes[k] = stereo::KeysKernelSlope(at - (k - 1));
+    }
+  }
+  std::array<double, 4> weights, slopes;
+};
+
 cv::Mat Mean(const cv::Mat& of, int width_px) {
   cv::Mat mean;
   cv::blur(of, mean, {width_px, width_px});
   return mean;
 }
 
-/// Less a mean over the neighbourhood, of such weights that a quadratic leaves nothing; in
+/// Less what lies around it: two means, of such weights that a quadratic leaves nothing; in
 /// deviations. The light stays with the robot; what is left of it would too. So would a manhole's
 /// edges, far stronger than any texture, if contrast counted as it is.
 cv::Mat Contrast(const cv::Mat& unrolled, double smooth_px) {
@@ -39,7 +60,7 @@ cv::Mat Contrast(const cv::Mat& unrolled, double smooth_px) {
   cv::GaussianBlur(unrolled, contrast, {}, smooth_px);
   const auto spread = [](int width_px) { return (width_px * width_px - 1) / 12.0; };
   const int near = OddWidth(kNearby, smooth_px), far = OddWidth(kFarther, smooth_px);
-  const double far_weight = (smooth_px * smooth_px - spread(near)) / (spread(far) - spread(near));
+  const double far_weight = spread(near) / (spread(near) - spread(far));
   contrast -= (1.0 - far_weight) * Mean(contrast, near) + far_weight * Mean(contrast, far);
   cv::Mat scatter;
   cv::sqrt(Mean(contrast.mul(contrast), near) + kFlat, scatter);
@@ -58,7 +79,7 @@ WallGrid::WallGrid(double ring_px_m, double behind_m, double near_m, double far_
     : scale_(scale),
       ring_px_m_(ring_px_m / scale.shrink),
       behind_m_(behind_m),
-      pad_px_(OddWidth(kFarther, scale.smooth_px) / 2 + 3) {
+      pad_px_(Reach(scale.smooth_px)) {
   const double smallest_px = ring_px_m_ / (far_m + behind_m),
                largest_px = ring_px_m_ / (near_m + behind_m);
   first_px_ = smallest_px - pad_px_;
@@ -118,23 +139,31 @@ cv::Mat WallGrid::Texture(const cv::Mat& log_brightness, const WallSighting& sig
   return Contrast(wrapped, scale_.smooth_px);
 }
 
-bool WallGrid::Take(const cv::Mat& texture, const WallPlace& place, Sample* sample) const {
+std::optional<WallGrid::Sample> WallGrid::Take(const cv::Mat& texture,
+                                               const WallPlace& place) const {
   const double ring_px = ring_px_m_ / (place.distance_m + behind_m_);
   const double column = ring_px - first_px_;
   const int rim_px = pad_px_ / 2;
-  if (!(column >= rim_px && column < columns_ - rim_px - 1)) return false;
+  if (!(column >= rim_px && column < columns_ - rim_px - 1)) return std::nullopt;
   const double angle_rad = std::atan2(place.direction.y(), place.direction.x());
   const double row =
       (angle_rad < 0.0 ? angle_rad + kTurn_rad : angle_rad) * rows_ / kTurn_rad + pad_px_;
   const int x = static_cast<int>(column), y = static_cast<int>(row);
-  const double fx = column - x, fy = row - y;
-  const float *upper = texture.ptr<float>(y) + x, *lower = texture.ptr<float>(y + 1) + x;
-  const double a = upper[0], b = upper[1], c = lower[0], d = lower[1];
-  const double top = a + fx * (b - a), bottom = c + fx * (d - c);
-  sample->value = top + fy * (bottom - top);
-  sample->along = -((b - a) * (1.0 - fy) + (d - c) * fy) * ring_px * ring_px / ring_px_m_;
-  sample->around = (bottom - top) * rows_ / kTurn_rad;
-  return true;
+  // Cubic: what linear interpolation smooths between pixels draws a fit to where it smooths most.
+  const Taps across(column - x), down(row - y);
+  double value = 0.0, by_column = 0.0, by_row = 0.0;
+  for (int j = 0; j < 4; ++j) {
+    const float* const from = texture.ptr<float>(y - 1 + j) + x - 1;
+    double in_row = 0.0, slope_in_row = 0.0;
+    for (int i = 0; i < 4; ++i) {
+      in_row += across.weights[i] * from[i];
+      slope_in_row += across.slopes[i] * from[i];
+    }
+    value += down.weights[j] * in_row;
+    by_column += down.weights[j] * slope_in_row;
+    by_row += down.slopes[j] * in_row;
+  }
+  return Sample{value, -by_column * ring_px * ring_px / ring_px_m_, by_row * rows_ / kTurn_rad};
 }
 
 }  // namespace kantaro::perception

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <vector>
 
 #include "perception/wall_pose.hpp"
@@ -12,7 +13,7 @@ namespace kantaro::perception {
 /// A place on a pipe's wall: how far along the axis, and in which direction (right, down) from it.
 struct WallPlace {
   double distance_m{};
-  Eigen::Vector2d direction;
+  Eigen::Vector2d direction{Eigen::Vector2d::Zero()};
 };
 
 /// How a camera sees wall whose places are counted from elsewhere.
@@ -41,8 +42,10 @@ struct TextureScale {
 /// off shows it. A column is a ring of wall; columns lie as rings do in that picture.
 class WallGrid {
  public:
+  /// Distances count along the axis from the foot of the nearest picture's camera.
   /// @param ring_px_m  focal length times the pipe's radius
   /// @param behind_m   how much farther from the wall the farthest picture was taken
+  /// @pre 0 < near_m < far_m, 0 <= behind_m
   WallGrid(double ring_px_m, double behind_m, double near_m, double far_m,
            const TextureScale& scale);
 
@@ -56,8 +59,8 @@ class WallGrid {
     double value{};
     double along{}, around{};  ///< its slopes on the wall, per metre along and per radian
   };
-  /// From a texture. @returns false beyond its rim
-  [[nodiscard]] bool Take(const cv::Mat& texture, const WallPlace& place, Sample* sample) const;
+  /// From a texture that this grid made; nothing beyond its rim.
+  [[nodiscard]] std::optional<Sample> Take(const cv::Mat& texture, const WallPlace& place) const;
 
  private:
   [[nodiscard]] double DistanceAt(double column) const;

@@ -158,6 +158,13 @@ double KeysKernel(double distance) {
   return 0;
 }
 
+double KeysKernelSlope(double distance) {
+  const double d = std::abs(distance);
+  if (d <= 1) return (4.5 * d - 5) * distance;
+  if (d <= 2) return ((-1.5 * d + 5) * d - 4) * std::copysign(1.0, distance);
+  return 0;
+}
+
 int CornersAlong(int pixels) { return (pixels + kBlock_px - 1) / kBlock_px + 1; }
 
 cv::Mat Interpolate(const cv::Mat& corners, cv::Size size, Interpolation kind) {

@@ -12,6 +12,8 @@ enum class Interpolation { kNearest, kLinear, kCubic };
 
 /// Keys' cubic interpolation kernel, a = −1/2 (eq. 5.14), at a distance in units of the pitch.
 [[nodiscard]] double KeysKernel(double distance);
+/// Its slope.
+[[nodiscard]] double KeysKernelSlope(double distance);
 
 /// How many corners a side of an image has: at 0, 8, 16, … up to the first at or beyond its end.
 [[nodiscard]] int CornersAlong(int pixels);

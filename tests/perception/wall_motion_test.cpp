@@ -155,5 +155,14 @@ TEST(WallMotion, StaysWhereItIsWithoutASecondPicture) {
   EXPECT_EQ(motion.doubt.covariance, DoubtOfLight().covariance);
 }
 
+TEST(WallMotion, StaysWhereItIsBeforeAnEvenWall) {
+  const WallPose start{{0.01, 0.0}, {0.0, 0.02}};
+  const cv::Mat even = cv::Mat::ones(480, 704, CV_32F);
+  const WallMotion motion =
+      FollowWall(FrontCamera(), 0.150, {{even, 0.0, 0.0}, {even, 0.1, 0.0}}, start);
+  EXPECT_EQ(motion.pose.lean, start.lean);
+  EXPECT_EQ(motion.doubt.covariance, DoubtOfLight().covariance);
+}
+
 }  // namespace
 }  // namespace kantaro::perception

@@ -78,5 +78,16 @@ TEST(WallPose, IsFoundFromTheFallOfLight) {
   }
 }
 
+// 4 mm and 6 mrad, correlated by -0.85. At d the tangent's variance is (4 / d)² + 6² -
+// 2 · 0.85 · 4 · 6 / d [mrad²]: 11.2 at 1 m, and least at 4 / (0.85 · 6) = 0.78 m.
+TEST(PoseDoubt, IsLeastSomeWayAhead) {
+  const PoseDoubt doubt = DoubtOfLight();
+  EXPECT_NEAR(doubt.OfAxisAt(1.0)(0, 0), 11.2e-6, 1e-9);
+  EXPECT_NEAR(doubt.OfAxisAt(1.0)(1, 1), 11.2e-6, 1e-9);
+  EXPECT_NEAR(doubt.OfAxisAt(1.0)(0, 1), 0.0, 1e-12);
+  EXPECT_LT(doubt.OfAxisAt(0.78)(0, 0), doubt.OfAxisAt(0.70)(0, 0));
+  EXPECT_LT(doubt.OfAxisAt(0.78)(0, 0), doubt.OfAxisAt(0.86)(0, 0));
+}
+
 }  // namespace
 }  // namespace kantaro::perception

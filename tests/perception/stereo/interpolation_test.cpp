@@ -38,6 +38,14 @@ double LargestError(const cv::Mat& pixels, const std::function<double(double x, 
   return largest;
 }
 
+TEST(KeysKernel, HasTheSlopeOfItsDifferences) {
+  constexpr double kSmall = 1e-6;
+  for (const double d : {-2.5, -1.6, -1.1, -1.0, -0.4, 0.0, 0.3, 1.0, 1.2, 1.7, 2.0})
+    EXPECT_NEAR(KeysKernelSlope(d), (KeysKernel(d + kSmall) - KeysKernel(d - kSmall)) / 2 / kSmall,
+                5e-6)
+        << d;
+}
+
 // By hand: 1.5 / 8 − 2.5 / 4 + 1 = 0.5625 and −0.5 · 3.375 + 2.5 · 2.25 − 6 + 2 = −0.0625.
 TEST(KeysKernel, HasTheValuesWorkedOutByHand) {
   EXPECT_DOUBLE_EQ(KeysKernel(0), 1);
