@@ -65,9 +65,17 @@ TEST(LandmarkTracker, MeasuresAnInlet) {
 }
 
 // Where there is none, any distance is as good as another, but for what nobody could see so far
-// away: an even spread over the last 0.5 m of 1.7 m has a deviation of 0.14 m.
+// away: an even spread over the last 0.5 m of 1.7 m has a deviation of 0.14 m. By chance noise
+// speaks for one place more than for others.
 TEST(LandmarkTracker, DoubtsAJointThatItCannotSee) {
-  EXPECT_GT(Follow({}, LandmarkKind::kJoint).deviation_m, 0.13);
+  constexpr int kViews = 6;
+  double mean_m = 0.0;
+  for (int k = 1; k <= kViews; ++k) {
+    PipeView view;
+    view.noise_seed = 10 * k;
+    mean_m += Follow(view, LandmarkKind::kJoint).deviation_m / kViews;
+  }
+  EXPECT_GT(mean_m, 0.12);
 }
 
 }  // namespace
